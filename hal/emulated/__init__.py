@@ -1,0 +1,1 @@
+"""The interfaces of `hal` on virtual time."""

@@ -1,0 +1,91 @@
+"""One line of the emulated interrupt controller, with the figures that a schedulability report needs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from hal.emulated.cpu import EmulatedCpu
+
+
+@dataclass(frozen=True)
+class LineSpec:
+    """What the board description says of a line. `priority`: lower is more urgent."""
+
+    name: str
+    priority: int
+    deadline_ns: int | None = None
+    stack_bytes: int = 0
+
+
+class EmulatedLine:
+    """An interrupt line or software task. Hardware calls `request`, firmware calls `pend`."""
+
+    __slots__ = (
+        "_cpu",
+        "above",
+        "activations",
+        "bit",
+        "busy_ns",
+        "deadline_misses",
+        "handler",
+        "overruns",
+        "pended_at",
+        "spec",
+        "worst_busy_ns",
+        "worst_response_ns",
+        "worst_start_ns",
+    )
+
+    def __init__(self, cpu: EmulatedCpu, spec: LineSpec, bit: int) -> None:
+        self._cpu = cpu
+        self.spec = spec
+        self.bit = bit
+        self.above = 0
+        self.handler: Callable[[], None] = _unattached
+        self.pended_at = 0
+        self.activations = 0
+        self.overruns = 0
+        self.deadline_misses = 0
+        self.busy_ns = 0
+        self.worst_busy_ns = 0
+        self.worst_response_ns = 0
+        self.worst_start_ns = 0
+
+    def request(self) -> None:
+        """A piece of hardware asks for service (to be called from an event)."""
+        cpu = self._cpu
+        bit = self.bit
+        if cpu.pending & bit:
+            self.overruns += 1
+            return
+        cpu.pending |= bit
+        self.pended_at = cpu.time.now
+        if cpu.parked and bit & cpu.open_lines:
+            cpu.rouse()
+
+    def pend(self) -> None:
+        """The firmware asks for service; a more urgent line than the caller's runs before this returns."""
+        cpu = self._cpu
+        bit = self.bit
+        if cpu.pending & bit:
+            self.overruns += 1
+            return
+        cpu.pending |= bit
+        self.pended_at = cpu.time.now
+        if bit & cpu.open_lines:
+            cpu.serve()
+
+    def enable(self) -> None:
+        """Let the line interrupt the processor."""
+        self._cpu.set_enabled(self.bit, True)
+
+    def disable(self) -> None:
+        """Hold the line back; a request meanwhile stays pending."""
+        self._cpu.set_enabled(self.bit, False)
+
+
+def _unattached() -> None:
+    raise RuntimeError("interrupt line without a handler was enabled; attach one first")
