@@ -1,0 +1,1 @@
+"""The PC side: command line, simulation, recording, scoring and reports."""
