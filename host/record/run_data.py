@@ -1,0 +1,131 @@
+"""What came over the board's wires, decoded, in batches; and what is kept of it for the report.
+
+Times are s of virtual time, angles rad, positions WGS-84 latitude, longitude and ellipsoidal height,
+velocities north-east-down m/s; arrays are float64 with one row for each instant. `velocity_ned` and the
+sigmas have shape (n, 3), everything else (n,).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from host.record.series import DecimatedSeries
+
+Floats = NDArray[np.float64]
+
+NAVIGATING = 3
+"""From this mode on a solution is a navigation solution (0 waiting, 1 levelling, 2 waiting for heading,
+3 navigating, 4 degraded)."""
+
+
+@dataclass(frozen=True, slots=True)
+class MotionBatch:
+    """Where the navigation point truly was, at the instants of a batch."""
+
+    t: Floats
+    latitude: Floats
+    longitude: Floats
+    height: Floats
+    velocity_ned: Floats
+    yaw: Floats
+    pitch: Floats
+    roll: Floats
+
+
+@dataclass(frozen=True, slots=True)
+class SolutionBatch:
+    """Solutions of the board. `t` is the virtual time for which a solution holds."""
+
+    t: Floats
+    latitude: Floats
+    longitude: Floats
+    height: Floats
+    velocity_ned: Floats
+    yaw: Floats
+    pitch: Floats
+    roll: Floats
+    sigma_position: Floats
+    """1 σ north, east, down in m."""
+    sigma_velocity: Floats
+    sigma_attitude: Floats
+    """1 σ of the rotation vector in n, rad."""
+    mode: NDArray[np.int64]
+    flags: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.t)
+
+
+@dataclass(frozen=True, slots=True)
+class GnssFix:
+    """One epoch of the receiver as the board understood it, and where its antenna truly was at `t`.
+
+    `t` is the true virtual time of validity. Without a `fix` the other figures mean nothing.
+    `velocity_ned` may hold NaN where the receiver gave none.
+    """
+
+    t: float
+    fix: bool
+    latitude: float
+    longitude: float
+    height: float
+    velocity_ned: tuple[float, float, float]
+    true_latitude: float
+    true_longitude: float
+    true_height: float
+    true_velocity_ned: tuple[float, float, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Innovation:
+    """Innovations of one GNSS update: position m and velocity m/s, NED; σ from the filter's S diagonal."""
+
+    t: float
+    values: tuple[float, float, float, float, float, float]
+    sigmas: tuple[float, float, float, float, float, float]
+    used: int
+    """Bit i is set when component i was used."""
+
+
+@dataclass(frozen=True, slots=True)
+class BiasEstimate:
+    """Slow states: gyro bias rad/s, accelerometer bias m/s², mounting yaw and pitch rad, GNSS latency s."""
+
+    t: float
+    values: tuple[float, ...]
+    """b_g x, y, z, b_a x, y, z, mounting yaw, mounting pitch, latency (9)."""
+    sigmas: tuple[float, ...]
+    truth: tuple[float, ...] | None = None
+    """True b_g and b_a (6), or all nine; None: not known."""
+
+
+@dataclass(frozen=True, slots=True)
+class TaskTrace:
+    """A recorded window of one processor: which task ran from when to when (s of virtual time)."""
+
+    processor: str
+    names: tuple[str, ...]
+    starts: Floats
+    ends: Floats
+
+
+@dataclass
+class RunData:
+    """Bounded, decimated series of a run, for the report. Columns are named by the series themselves."""
+
+    errors: DecimatedSeries
+    """Solution minus truth: position NED m, velocity NED m/s, roll, pitch, yaw rad, and their σ."""
+    track: DecimatedSeries
+    """East and north of the first true position, m: solution and truth; height; mode."""
+    gnss: DecimatedSeries
+    """The receiver's position error NED m, velocity error NED m/s and its place east, north."""
+    innovations: DecimatedSeries
+    biases: DecimatedSeries
+    bias_truth_known: int = 0
+    """How many of the nine bias columns have a truth."""
+    outages: list[tuple[float, float]] = field(default_factory=list)
+    """(start, duration) in s."""
+    traces: list[TaskTrace] = field(default_factory=list)
