@@ -1,0 +1,104 @@
+"""Where compiled kernels are kept between runs: one folder per state of the kernels' sources.
+
+Numba's own cache looks at the file of the kernel it compiles only: a kernel that calls a changed one in
+another file would keep the old code. So the folder's name is a hash of every source a kernel can see:
+all firmware files that use the decorator, what they import from firmware, and the versions of Python and
+numba. The same folder may be used by any number of processes at once (numba writes aside and renames, and
+each kernel has one signature, hence one content).
+"""
+
+import contextlib
+import hashlib
+import os
+import re
+import shutil
+import stat
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+FOLDERS_KEPT = 12
+_PACKAGE_ROOT = Path(__file__).resolve().parents[2]
+_DECORATOR_USED = re.compile(r"^@kernel\b", re.MULTILINE)
+_IMPORT = re.compile(r"^\s*(?:from|import)\s+([\w.]+)", re.MULTILINE)
+
+
+def kernel_cache_folder(versions: str) -> Path | None:
+    """The folder for the present sources, created; None when no place is writable (then nothing is kept)."""
+    name = kernel_sources_hash(versions)
+    for root in _candidate_roots():
+        folder = root / "kernels" / name
+        try:
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=folder).close()
+        except OSError:
+            continue
+        if _is_private(folder):
+            os.utime(folder)
+            _drop_oldest(folder.parent)
+            return folder
+    return None
+
+
+def kernel_sources_hash(versions: str) -> str:
+    """16 hex digits over the text of all kernel sources and `versions`."""
+    digest = hashlib.sha256(versions.encode())
+    for path in sorted(kernel_sources()):
+        digest.update(str(path.relative_to(_PACKAGE_ROOT)).encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()[:16]
+
+
+def kernel_sources() -> set[Path]:
+    """Files of firmware that hold kernels, and all firmware files these import, however far."""
+    texts = {path: path.read_text(encoding="utf-8") for path in (_PACKAGE_ROOT / "firmware").rglob("*.py")}
+    found = {path for path, text in texts.items() if _DECORATOR_USED.search(text)}
+    waiting = list(found)
+    while waiting:
+        path = waiting.pop()
+        new = {file for file in _imported_files(texts[path], path) if file in texts} - found
+        found |= new
+        waiting.extend(new)
+    return found
+
+
+def _imported_files(text: str, importer: Path) -> Iterator[Path]:
+    """Files that `text` may import from firmware; a package stands for all files in its folder."""
+    for match in _IMPORT.finditer(text):
+        module = match[1]
+        if module.startswith("."):
+            yield from importer.parent.glob("*.py")
+        elif module.startswith("firmware."):
+            target = _PACKAGE_ROOT.joinpath(*module.split("."))
+            yield target.with_suffix(".py")
+            yield from target.glob("*.py")
+
+
+def _candidate_roots() -> Iterator[Path]:
+    if given := os.environ.get("XDG_CACHE_HOME"):
+        yield Path(given) / "navtwin"
+    home = os.environ.get("LOCALAPPDATA") if sys.platform == "win32" else None
+    with contextlib.suppress(RuntimeError):  # no home directory can be determined
+        yield (Path(home) if home else Path.home() / ".cache") / "navtwin"
+    user = os.getuid() if hasattr(os, "getuid") else os.environ.get("USERNAME", "user")
+    yield Path(tempfile.gettempdir()) / f"navtwin-{user}"
+
+
+def _is_private(folder: Path) -> bool:
+    """Cached code is executed: a folder that others own or may write to is refused."""
+    if not hasattr(os, "getuid"):
+        return True
+    return all(
+        status.st_uid == os.getuid() and not status.st_mode & stat.S_IWOTH
+        for status in (folder.stat(), folder.parent.stat(), folder.parent.parent.stat())
+    )
+
+
+def _drop_oldest(parent: Path) -> None:
+    """Keep the folders used last; a process that loses its folder compiles again."""
+    try:
+        folders = sorted(parent.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
+    except OSError:  # another process is tidying up
+        return
+    for folder in folders[FOLDERS_KEPT:]:
+        shutil.rmtree(folder, ignore_errors=True)

@@ -1,0 +1,163 @@
+"""The decorator of all on-board arithmetic: one source, interpreted, compiled for the PC or for a Cortex-M4F.
+
+    from firmware.numerics.dialect import kernel
+
+    @kernel("float32(float32, float32)")
+    def hypotenuse(x, y):
+        return np.float32(math.sqrt(x * x + y * y))
+
+`@kernel("signature")` compiles the function by numba at its first call, for that one signature (numba's own
+notation, see `signature`), with the semantics of C without fast-math; scalars are converted on entry, arrays
+must be 1-d, contiguous and of the type told. `@kernel` alone is for small functions that only other kernels
+call: they take the types of the caller, are compiled into it, and are not kept between runs by themselves.
+
+With NUMBA_DISABLE_JIT=1 the same functions run interpreted, on the same types, without importing numba; a
+scalar then comes back as a NumPy scalar, whereas compiled kernels give Python numbers. Overflow, division by
+zero and NaN are silent in both, as on the target.
+
+The rules of what may stand in the body are in docs/kernel-dialect.md; the tests in tests/dialect hold them
+for every function decorated here.
+"""
+
+import functools
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar, overload
+
+import numpy as np
+
+from firmware.numerics.cache_folder import kernel_cache_folder
+from firmware.numerics.signature import Signature, parse_signature
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+INTERPRETED = os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")
+
+
+@dataclass(frozen=True, slots=True)
+class Kernel:
+    """One registered kernel: the plain function, what stands under its name, its signature if it has one."""
+
+    function: Callable[..., Any]
+    callable: Callable[..., Any]
+    signature: Signature | None
+
+    @property
+    def name(self) -> str:
+        """Module and function, `firmware.nav.strapdown.imu_step`."""
+        return f"{self.function.__module__}.{self.function.__qualname__}"
+
+    @property
+    def file(self) -> Path:
+        """Source file of the function."""
+        return Path(self.function.__code__.co_filename)
+
+
+_registry: dict[str, Kernel] = {}
+
+
+def registered_kernels() -> tuple[Kernel, ...]:
+    """All kernels of the modules imported so far, by name."""
+    return tuple(_registry[name] for name in sorted(_registry))
+
+
+@overload
+def kernel(declaration: str) -> Callable[[F], F]: ...
+@overload
+def kernel(declaration: F) -> F: ...
+def kernel(declaration: str | F) -> Callable[[F], F] | F:
+    """Make a function a kernel: `@kernel("void(float32[::1], int64)")`, or `@kernel` for inner functions.
+
+    ValueError when the signature is not well formed or does not fit the number of parameters.
+    """
+    if not isinstance(declaration, str):
+        return _make(declaration, None)
+    signature = parse_signature(declaration)
+    return lambda function: _make(function, signature)
+
+
+def _make(function: F, signature: Signature | None) -> F:
+    parameters = function.__code__.co_argcount
+    if signature is not None and len(signature.arguments) != parameters:
+        raise ValueError(
+            f"kernel {function.__qualname__} takes {parameters} arguments, its signature "
+            f"{signature.text!r} names {len(signature.arguments)}"
+        )
+    made = interpret(function, signature) if INTERPRETED else compile_lazily(function, signature)
+    entry = Kernel(function, made, signature)
+    _registry[entry.name] = entry
+    return made
+
+
+def interpret(function: F, signature: Signature | None) -> F:
+    """`function` as CPython runs it, with the argument and result conversions of the compiled kernel."""
+
+    @functools.wraps(function)
+    def run(*arguments: Any) -> Any:
+        with np.errstate(all="ignore"):
+            if signature is None:
+                return function(*arguments)
+            pairs = zip(signature.arguments, arguments, strict=True)
+            result = function(*[expected.convert(value) for expected, value in pairs])
+            return signature.convert_result(result)
+
+    run.py_func = function  # type: ignore[attr-defined]
+    return run  # type: ignore[return-value]
+
+
+def compile_lazily(function: F, signature: Signature | None) -> F:
+    """`function` as numba compiles it, at the first call from Python or from another kernel."""
+    import numba
+
+    options: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
+    folder = _cache_folder() if signature is not None else None
+    config: Any = numba.config
+    # Numba decides where a function's code is kept when it is decorated; other users of numba in this
+    # process keep their own place.
+    before, config.CACHE_DIR = config.CACHE_DIR, str(folder)
+    try:
+        dispatcher: Any = numba.njit(cache=folder is not None, **options)(function)
+    finally:
+        config.CACHE_DIR = before
+    if signature is not None:
+        _compile_declared_signature_only(dispatcher, signature)
+    return dispatcher
+
+
+def _compile_declared_signature_only(dispatcher: Any, signature: Signature) -> None:
+    """Let the first call, from wherever, compile `signature` and nothing else ever."""
+    from numba.core.compiler_lock import global_compiler_lock
+
+    def compile_once() -> None:
+        with global_compiler_lock:
+            if dispatcher._can_compile:
+                dispatcher._compilation_chain_init_hook()
+                dispatcher.compile(signature.text)
+                dispatcher.disable_compile()
+
+    def first_call_from_python(*arguments: Any) -> Any:
+        for expected, value in zip(signature.arguments, arguments, strict=True):
+            if expected.is_array:
+                expected.convert(value)
+        compile_once()
+        return next(iter(dispatcher.overloads.values())).entry_point
+
+    def call_from_kernel(arguments: Any, keywords: Any) -> Any:
+        compile_once()
+        return type(dispatcher).get_call_template(dispatcher, arguments, keywords)
+
+    dispatcher._compile_for_args = first_call_from_python
+    dispatcher.get_call_template = call_from_kernel
+
+
+@functools.cache
+def _cache_folder() -> Path | None:
+    import llvmlite.binding
+    import numba
+
+    processor = llvmlite.binding.get_host_cpu_name()
+    versions = f"{sys.version} numba {numba.__version__} numpy {np.__version__} {processor}"
+    return kernel_cache_folder(versions)
