@@ -1,0 +1,1 @@
+"""The PC end of the host link: bytes back to typed frames."""
