@@ -25,6 +25,9 @@ POLL_LIMIT = 5_000_000
 
 TRACE_LENGTH = 4000
 
+RESET_BIT = 1
+"""The reset request, as a line more urgent than all others that nothing can mask."""
+
 
 class SpinError(RuntimeError):
     """The firmware waits in a loop for something that does not come."""
@@ -56,34 +59,56 @@ class EmulatedCpu:
         self.crystal_error_ppb = crystal_error_ppb
         self.costs = dict(costs or {})
         self.pending = 0
-        self.open_lines = 0
+        self.open_lines = RESET_BIT
         self.parked = False
         self.reset_cause = "power-on"
         self.resets: list[tuple[int, str]] = []
-        self.stack_worst_bytes = 0
         self.trace: list[tuple[int, int, int]] | None = None
         """(bit of the line, start, end) in ns, while recording; at most TRACE_LENGTH entries."""
         self._enabled = 0
-        self._carry = 0
         self._boot_ns = 0
         self._polls = 0
         self._nested_ns = 0
-        self._stack_bytes = 0
+        self._thread_open = RESET_BIT
         self._running: EmulatedLine | None = None
         self._owner: greenlet | None = None
         self._greenlet: greenlet | None = None
-        self._reset_request: str | None = None
-        self._entry_ns = INTERRUPT_ENTRY_CYCLES * SECOND // frequency_hz
-        self._access_ns = -(-ACCESS_CYCLES * SECOND // frequency_hz)
+        self._reset_cause = ""
+        self._durations: dict[int, int] = {}
+        self._entry_ns = self._duration(INTERRUPT_ENTRY_CYCLES)
+        self._access_ns = self._duration(ACCESS_CYCLES)
         self.lines = self._make_lines(lines)
         self._by_bit = {line.bit: line for line in self.lines.values()}
+        self._by_bit[RESET_BIT] = self._reset_line()
 
     def _make_lines(self, specs: Sequence[LineSpec]) -> dict[str, EmulatedLine]:
         ordered = sorted(specs, key=lambda spec: spec.priority)
-        lines = {spec.name: EmulatedLine(self, spec, 1 << rank) for rank, spec in enumerate(ordered)}
+        lines = {spec.name: EmulatedLine(self, spec, 2 << rank) for rank, spec in enumerate(ordered)}
         for line in lines.values():
-            line.above = sum(o.bit for o in lines.values() if o.spec.priority < line.spec.priority)
+            more_urgent = (o.bit for o in lines.values() if o.spec.priority < line.spec.priority)
+            line.above = RESET_BIT | sum(more_urgent)
+            line.open = RESET_BIT
         return lines
+
+    def _reset_line(self) -> EmulatedLine:
+        line = EmulatedLine(self, LineSpec("reset", -1), RESET_BIT)
+        line.handler = self._raise_reset
+        return line
+
+    def _duration(self, cycles: int) -> int:
+        """ns that `cycles` take, rounded up to whole ns."""
+        duration = -(-cycles * SECOND // self.frequency_hz)
+        self._durations[cycles] = duration
+        return duration
+
+    @property
+    def stack_worst_bytes(self) -> int:
+        """Worst case of the stack: at every priority the deepest task, each nested in the next."""
+        deepest: dict[int, int] = {}
+        for line in self.lines.values():
+            spec = line.spec
+            deepest[spec.priority] = max(deepest.get(spec.priority, 0), spec.stack_bytes)
+        return sum(deepest.values())
 
     # -- what the firmware sees ------------------------------------------------------------------
 
@@ -106,18 +131,25 @@ class EmulatedCpu:
 
     def now_ns(self) -> int:
         """Time since reset by this processor's crystal."""
-        self.poll()
-        elapsed = self.time.now - self._boot_ns
+        time = self.time
+        now = time.now + self._access_ns
+        if now < time.limit and self._polls < POLL_LIMIT:
+            self._polls += 1
+            time.now = now
+        else:
+            self.poll()
+        elapsed = time.now - self._boot_ns
         return elapsed + elapsed * self.crystal_error_ppb // SECOND
 
+    def virtual_ns(self, clock_ns: int) -> int:
+        """The virtual time at which this processor's clock showed `clock_ns` (since its last reset)."""
+        return self._boot_ns + clock_ns * SECOND // (SECOND + self.crystal_error_ppb)
+
     def spend(self, cycles: int) -> None:
-        """Let the time of `cycles` pass; being interrupted makes it longer."""
-        carry = self._carry + cycles * SECOND
-        duration = carry // self.frequency_hz
-        self._carry = carry - duration * self.frequency_hz
+        """Let the time of `cycles` pass, rounded up to ns; being interrupted makes it longer."""
         time = self.time
-        end = time.now + duration
-        if end < time.next_due and end < time.horizon:
+        end = time.now + (self._durations.get(cycles) or self._duration(cycles))
+        if end < time.limit:
             time.now = end
         else:
             self._pass_until(end, stretch=True)
@@ -129,17 +161,13 @@ class EmulatedCpu:
     def wait_for_interrupt(self) -> None:
         """Sleep until at least one handler has run."""
         self._polls = 0
-        if self.pending & self.open_lines:
-            self.serve()
-            return
-        time = self.time
         if self._owner is not None:
-            self._park_until(FAR)
-        else:
             while not self.pending & self.open_lines:
-                time.run_next()
-                if self._reset_request is not None:
-                    self._raise_reset()
+                self._park_until(FAR)
+        else:
+            run_next = self.time.run_next
+            while not self.pending & self.open_lines:
+                run_next()
         self.serve()
 
     # -- what the emulated peripherals use ---------------------------------------------------------
@@ -147,7 +175,7 @@ class EmulatedCpu:
     def wait_until(self, end_ns: int) -> None:
         """Let time pass to `end_ns` whatever interrupts do meanwhile (a wire at work, a busy-wait)."""
         time = self.time
-        if end_ns < time.next_due and end_ns < time.horizon:
+        if end_ns < time.limit:
             if end_ns > time.now:
                 time.now = end_ns
         else:
@@ -171,82 +199,89 @@ class EmulatedCpu:
     def set_enabled(self, bit: int, enabled: bool) -> None:
         """Enable or disable a line for all priority levels."""
         self._enabled = self._enabled | bit if enabled else self._enabled & ~bit
-        self.open_lines = self._enabled & (self._running.above if self._running is not None else -1)
+        self._thread_open = self._enabled | RESET_BIT
+        for line in self.lines.values():
+            line.open = line.above & self._thread_open
+        self.open_lines = self._running.open if self._running is not None else self._thread_open
         if self.pending & self.open_lines and not self.parked:
             self.serve()
 
     def serve(self) -> None:
-        """Run the handlers of all pending lines that are more urgent than the running task."""
+        """Run the handlers of all pending lines that are more urgent than the running task.
+
+        The hottest code of the emulator: accounting and the passing of the entry time stand inline.
+        """
+        time = self.time
+        outer = self._running
+        outer_nested_ns = self._nested_ns
+        polls = self._polls
         while ready := self.pending & self.open_lines:
             bit = ready & -ready
             self.pending ^= bit
-            self._run_handler(self._by_bit[bit])
-
-    def _run_handler(self, line: EmulatedLine) -> None:
-        time = self.time
-        start = time.now
-        saved = (self.open_lines, self._running, self._nested_ns, self._polls)
-        self.open_lines = line.above & self._enabled
-        self._running = line
-        self._nested_ns = 0
-        self._polls = 0
-        self._stack_bytes += line.spec.stack_bytes
-        if self._stack_bytes > self.stack_worst_bytes:
-            self.stack_worst_bytes = self._stack_bytes
-        self.wait_until(start + self._entry_ns)
-        line.handler()
-        elapsed = time.now - start
-        self._account(line, start, elapsed - self._nested_ns)
-        self._stack_bytes -= line.spec.stack_bytes
-        _, self._running, nested_ns, self._polls = saved
-        self._nested_ns = nested_ns + elapsed
-        self.open_lines = self._enabled & (self._running.above if self._running is not None else -1)
-
-    def _account(self, line: EmulatedLine, start: int, busy: int) -> None:
-        end = self.time.now
-        response = end - line.pended_at
-        line.activations += 1
-        line.busy_ns += busy
-        if busy > line.worst_busy_ns:
-            line.worst_busy_ns = busy
-        if response > line.worst_response_ns:
-            line.worst_response_ns = response
-        if start - line.pended_at > line.worst_start_ns:
-            line.worst_start_ns = start - line.pended_at
-        deadline = line.spec.deadline_ns
-        if deadline is not None and response > deadline:
-            line.deadline_misses += 1
-        if self.trace is not None and len(self.trace) < TRACE_LENGTH:
-            self.trace.append((line.bit, start, end))
+            line = self._by_bit[bit]
+            start = time.now
+            self.open_lines = line.open
+            self._running = line
+            self._nested_ns = 0
+            self._polls = 0
+            entered = start + self._entry_ns
+            if entered < time.limit:
+                time.now = entered
+            else:
+                self._pass_until(entered, stretch=False)
+            line.handler()
+            end = time.now
+            line.activations += 1
+            busy = end - start - self._nested_ns
+            line.busy_ns += busy
+            if busy > line.worst_busy_ns:
+                line.worst_busy_ns = busy
+            requested = line.pended_at
+            if start - requested > line.worst_start_ns:
+                line.worst_start_ns = start - requested
+            if end - requested > line.worst_response_ns:
+                line.worst_response_ns = end - requested
+            if end - requested > line.deadline_ns:
+                line.deadline_misses += 1
+            if self.trace is not None and len(self.trace) < TRACE_LENGTH:
+                self.trace.append((bit, start, end))
+            outer_nested_ns += end - start
+            self.open_lines = outer.open if outer is not None else self._thread_open
+        self._running = outer
+        self._nested_ns = outer_nested_ns
+        self._polls = polls
 
     # -- the passing of time -----------------------------------------------------------------------
 
     def _pass_until(self, end: int, stretch: bool) -> None:
+        """Let time pass to `end`, with events and interrupts on the way; `stretch`: those delay the end."""
         time = self.time
-        while time.next_due <= end or time.horizon <= end:
-            if self._owner is not None:
-                self._park_until(end)
-            else:
-                self._run_event(end)
-            if self._reset_request is not None:
-                self._raise_reset()
+        if self._owner is not None:
+            self._pass_parked(end, stretch)
+            return
+        while time.next_due <= end:
+            time.run_next_before(end)
             if self.pending & self.open_lines:
                 before = time.now
                 self.serve()
                 if stretch:
                     end += time.now - before
-            if self._owner is not None and time.now >= end:
-                return
         if end > time.now:
             time.now = end
 
-    def _run_event(self, end: int) -> None:
-        """As the machine's first processor: run one event; no other processor may pass `end`."""
+    def _pass_parked(self, end: int, stretch: bool) -> None:
+        """The same for a further processor, which leaves the queue to the first one."""
         time = self.time
-        saved = time.horizon
-        time.horizon = end
-        time.run_next()
-        time.horizon = saved
+        while time.now < end:
+            if end < time.limit:
+                time.now = end
+                return
+            self._park_until(end)
+            if self.pending & self.open_lines:
+                before = time.now
+                self.serve()
+                if stretch:
+                    end += time.now - before
 
     def _park_until(self, end: int) -> None:
         """As a further processor: leave the queue to the first one until `end` or an interrupt."""
@@ -257,8 +292,6 @@ class EmulatedCpu:
         self.parked = False
         if wake is not None:
             wake.cancel()
-        if self._reset_request is not None:
-            self._raise_reset()
 
     def _resume(self) -> None:
         """Event: let this processor's firmware go on."""
@@ -279,9 +312,15 @@ class EmulatedCpu:
         self._greenlet = greenlet(lambda: self._reset_vector(program))
         return self._greenlet
 
+    def start(self) -> None:
+        """Let a further processor leave reset as an event at the present instant."""
+        self.parked = True
+        self.time.at(self.time.now, self._resume)
+
     def reset(self, cause: str) -> None:
         """Reset the processor as soon as its firmware lets time pass."""
-        self._reset_request = cause
+        self._reset_cause = cause
+        self.pending |= RESET_BIT
         if self.parked:
             self.rouse()
 
@@ -297,12 +336,14 @@ class EmulatedCpu:
                 self._boot_ns = self.time.now
 
     def _raise_reset(self) -> None:
-        cause = self._reset_request or "reset"
-        self._reset_request = None
-        self.pending = self._enabled = self.open_lines = 0
+        """Handler of the reset request: forget everything and unwind the firmware."""
+        self.pending = self._enabled = 0
+        for line in self.lines.values():
+            line.open = RESET_BIT
+        self._thread_open = self.open_lines = RESET_BIT
         self._running = None
-        self._nested_ns = self._polls = self._stack_bytes = 0
-        raise ProcessorReset(cause)
+        self._nested_ns = self._polls = 0
+        raise ProcessorReset(self._reset_cause)
 
 
 def switch_to_host() -> None:

@@ -6,6 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from hal.emulated.virtual_time import FAR
+
 if TYPE_CHECKING:
     from hal.emulated.cpu import EmulatedCpu
 
@@ -30,7 +32,9 @@ class EmulatedLine:
         "bit",
         "busy_ns",
         "deadline_misses",
+        "deadline_ns",
         "handler",
+        "open",
         "overruns",
         "pended_at",
         "spec",
@@ -44,6 +48,10 @@ class EmulatedLine:
         self.spec = spec
         self.bit = bit
         self.above = 0
+        """Bits of all more urgent lines."""
+        self.open = 0
+        """Those of them that are enabled: what may interrupt this line's handler."""
+        self.deadline_ns = FAR if spec.deadline_ns is None else spec.deadline_ns
         self.handler: Callable[[], None] = _unattached
         self.pended_at = 0
         self.activations = 0

@@ -5,13 +5,15 @@ it changes the state of hardware, raises interrupts and schedules further events
 `EmulatedCpu` (a processor at work or asleep), which takes due events off this queue.
 """
 
-import heapq
 from collections.abc import Callable
+from heapq import heapify, heappop, heappush, heapreplace
 from typing import Any
 
 SECOND = 1_000_000_000
 FAR = 1 << 62
 """A time that is never reached (146 years)."""
+
+RELEASED = -1
 
 Callback = Callable[[], int | None]
 
@@ -36,13 +38,15 @@ class VirtualTime:
     earliest event.
     """
 
-    __slots__ = ("_created", "_heap", "events_run", "horizon", "next_due", "now")
+    __slots__ = ("_created", "_heap", "_horizon", "events_run", "limit", "next_due", "now")
 
     def __init__(self) -> None:
         self.now = 0
         self.next_due = FAR
-        self.horizon = FAR
-        """While a further processor runs: the end of the first processor's work, not to be passed."""
+        self.limit = FAR
+        """Work that ends before this needs no look at the queue: `next_due`, or the end of the first
+        processor's own work while a further processor runs."""
+        self._horizon = FAR
         self.events_run = 0
         self._heap: list[list[Any]] = []
         self._created = 0
@@ -54,62 +58,71 @@ class VirtualTime:
         Raises ValueError when the time has passed.
         """
         if time_ns < self.now:
-            raise ValueError(f"event at {time_ns} ns lies before now ({self.now} ns); schedule at now or later")
+            raise ValueError(
+                f"event at {time_ns} ns lies before now ({self.now} ns); schedule at now or later"
+            )
         self._created += 1
         entry = [time_ns, priority, self._created, callback]
-        heapq.heappush(self._heap, entry)
+        heappush(self._heap, entry)
         if time_ns < self.next_due:
-            self.next_due = time_ns
+            self._set_due(time_ns)
         return Event(entry)
+
+    def _set_due(self, time_ns: int) -> None:
+        self.next_due = time_ns
+        self.limit = time_ns if time_ns < self._horizon else self._horizon
+
+    def run_next_before(self, end_ns: int) -> None:
+        """`run_next` for a processor whose own work ends at `end_ns`: no other processor may pass that."""
+        self._horizon = end_ns
+        self.run_next()
+        self._horizon = FAR
+        self.limit = self.next_due
 
     def run_next(self) -> None:
         """Move to the earliest event's time and run it. The queue must not be empty."""
         heap = self._heap
         entry = heap[0]
         callback = entry[3]
+        again = None
         if callback is not None:
             self.now = entry[0]
             self.events_run += 1
             again = callback()
-            if again is not None and entry[3] is not None:
-                self._repeat(entry, again)
-                return
         if heap and heap[0] is entry:
-            heapq.heappop(heap)
-        elif entry[2] >= 0:
-            self._remove(entry)
-        self.next_due = heap[0][0] if heap else FAR
+            if again is None or entry[3] is None:
+                heappop(heap)
+            else:
+                self._created += 1
+                entry[0] = again
+                entry[2] = self._created
+                heapreplace(heap, entry)
+                if again < self.now:
+                    raise ValueError(f"event repeats at {again} ns, before now ({self.now} ns)")
+        elif entry[2] != RELEASED:
+            self._put_back(entry, again)
+        due = heap[0][0] if heap else FAR
+        self.next_due = due
+        self.limit = due if due < self._horizon else self._horizon
 
     def release_running(self) -> None:
         """Take the running event off the queue before its callback returns.
 
         For the one kind of callback that lets time pass: a switch to another processor.
         """
-        entry = heapq.heappop(self._heap)
-        entry[2] = -1
-        self.next_due = self._heap[0][0] if self._heap else FAR
+        entry = heappop(self._heap)
+        entry[2] = RELEASED
+        self._set_due(self._heap[0][0] if self._heap else FAR)
 
-    def _repeat(self, entry: list[Any], time_ns: int) -> None:
-        """Put a running event back at a later time."""
-        heap = self._heap
-        if time_ns < self.now:
-            raise ValueError(f"event repeats at {time_ns} ns, before now ({self.now} ns)")
-        self._created += 1
-        if heap[0] is entry:
-            entry[0] = time_ns
-            entry[2] = self._created
-            heapq.heapreplace(heap, entry)
-        else:
-            self._remove(entry)
-            entry[0] = time_ns
-            entry[2] = self._created
-            heapq.heappush(heap, entry)
-        self.next_due = heap[0][0]
-
-    def _remove(self, entry: list[Any]) -> None:
-        """Take a running event out although a more urgent one was put before it meanwhile."""
+    def _put_back(self, entry: list[Any], again: int | None) -> None:
+        """Take out or move the event that has run, although a more urgent one stands before it by now."""
         self._heap.remove(entry)
-        heapq.heapify(self._heap)
+        heapify(self._heap)
+        if again is not None and entry[3] is not None:
+            self._created += 1
+            entry[0] = again
+            entry[2] = self._created
+            heappush(self._heap, entry)
 
 
 def instant(n: int, rate_hz: int, start_ns: int = 0) -> int:

@@ -1,0 +1,191 @@
+"""The board description: what `board.toml` may say. Facts about hardware and tasks, no behaviour."""
+
+from __future__ import annotations
+
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveInt, model_validator
+
+from boards.validation import DescriptionError, read_toml, validated
+
+Matrix3 = tuple[tuple[FiniteFloat, FiniteFloat, FiniteFloat], ...]
+Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
+Priority = Annotated[int, Field(ge=0, le=15, examples=[3])]
+
+
+class Facts(BaseModel):
+    """Base of all description tables: unknown keys are errors, nothing is changed after loading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class Task(Facts):
+    """An interrupt line or software task. Lower priority number is more urgent, as on the NVIC."""
+
+    priority: Priority
+    deadline_us: float | None = Field(default=None, gt=0, examples=[1000])
+    stack_bytes: int = Field(default=0, ge=0, examples=[256])
+
+
+class Processor(Facts):
+    """One processor, its program ("module:function"), tasks and cycle budgets."""
+
+    part: str
+    clock_hz: PositiveInt = Field(examples=[168_000_000])
+    program: str = Field(pattern=r"^[\w.]+:\w+$", examples=["firmware.apps.car_mems.program:program"])
+    crystal_error_ppm: FiniteFloat = Field(default=0.0, ge=-500, le=500, examples=[8.0])
+    tasks: dict[str, Task] = Field(min_length=1)
+    costs: dict[str, PositiveInt] = {}
+
+
+class Bus(Facts):
+    """An SPI or I²C bus and its master."""
+
+    kind: Literal["spi", "i2c"]
+    processor: str
+    clock_hz: PositiveInt = Field(examples=[5_250_000])
+    mode: int = Field(default=3, ge=0, le=3, examples=[3])
+
+
+class Chip(Facts):
+    """One chip by reference designator: model, connection, mounting and position on the vehicle."""
+
+    part: str
+    model: str = Field(pattern=r"^[\w.]+:\w+$", examples=["boards.chips.bmi160:Bmi160"])
+    bus: str | None = None
+    uart: str | None = None
+    name: str | None = None
+    world: Literal["imu", "gnss"]
+    errors: str | None = None
+    mounting: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+    lever_arm_m: Vector3 = (0.0, 0.0, 0.0)
+    pins: dict[str, str] = {}
+    supply: str | None = None
+    parameters: dict[str, Any] = {}
+
+    @model_validator(mode="after")
+    def _mounting_is_a_rotation(self) -> Chip:
+        rows = self.mounting
+        if len(rows) != 3:
+            raise ValueError(f"mounting has {len(rows)} rows; a rotation matrix has 3")
+        for i in range(3):
+            for j in range(3):
+                dot = sum(rows[i][k] * rows[j][k] for k in range(3))
+                if abs(dot - (i == j)) > 1e-6:
+                    raise ValueError(
+                        f"mounting rows {i + 1} and {j + 1} are not orthonormal (product {dot:g})"
+                    )
+        return self
+
+
+class Port(Facts):
+    """A UART of a processor; without a chip at it, it is a connector to the outside."""
+
+    processor: str
+    baud: PositiveInt = Field(examples=[9600])
+
+
+class CanPort(Facts):
+    """A CAN controller that leads to the outside."""
+
+    processor: str
+    bitrate: PositiveInt = Field(examples=[500_000])
+
+
+class Owned(Facts):
+    """Something that belongs to one processor (a log file, a timer)."""
+
+    processor: str
+
+
+class Pin(Facts):
+    """A processor pin on a net."""
+
+    processor: str
+    net: str
+    use: Literal["input", "output", "capture"]
+    wired: bool = True
+
+
+class Board(Facts):
+    """A whole board."""
+
+    name: str = Field(pattern=r"^[a-z][a-z0-9_]*$", examples=["car_mems"])
+    title: str
+    default_profile: str
+    default_scenario: str
+    processors: dict[str, Processor] = Field(min_length=1)
+    buses: dict[str, Bus] = {}
+    chips: dict[str, Chip] = {}
+    uarts: dict[str, Port] = {}
+    can: dict[str, CanPort] = {}
+    logs: dict[str, Owned] = {}
+    pins: dict[str, Pin] = {}
+    timers: dict[str, Owned] = {}
+    profiles: dict[str, dict[str, Any]] = Field(min_length=1)
+
+    @model_validator(mode="after")
+    def _references_lead_somewhere(self) -> Board:
+        owned = [*self.buses.items(), *self.uarts.items(), *self.can.items()]
+        owned += [*self.logs.items(), *self.pins.items(), *self.timers.items()]
+        for name, part in owned:
+            _must_be_known("processor", part.processor, self.processors, name)
+        for refdes, chip in self.chips.items():
+            if (chip.bus is None) == (chip.uart is None):
+                raise ValueError(f"chip {refdes} must name either a bus or a uart")
+            if chip.bus is not None:
+                _must_be_known("bus", chip.bus, self.buses, refdes)
+            else:
+                _must_be_known("uart", str(chip.uart), self.uarts, refdes)
+        _must_be_known("profile", self.default_profile, self.profiles, "default_profile")
+        return self
+
+
+def _must_be_known(kind: str, name: str, known: dict[str, Any], where: str) -> None:
+    if name not in known:
+        raise ValueError(
+            f"{where} names the {kind} {name!r}, which the board does not have; it has: {', '.join(known)}"
+        )
+
+
+def board_names() -> list[str]:
+    """The boards that come with navtwin, in alphabetical order."""
+    root = files("boards")
+    return sorted(entry.name for entry in root.iterdir() if entry.joinpath("board.toml").is_file())
+
+
+def board_folder(name_or_path: str) -> Path:
+    """The folder of a board given by name, by folder or by its board.toml."""
+    path = Path(name_or_path)
+    if path.name == "board.toml" and path.is_file():
+        return path.parent
+    if (path / "board.toml").is_file():
+        return path
+    if name_or_path in board_names():
+        return Path(str(files("boards").joinpath(name_or_path)))
+    known = ", ".join(board_names())
+    raise DescriptionError(
+        f"no board {name_or_path!r}: not a folder with a board.toml, and the boards that come along are: {known}"
+    )
+
+
+def load_board(name_or_path: str, changes: dict[str, Any] | None = None) -> Board:
+    """Load and validate a board. `changes` replaces values by dotted key, e.g. {"pins.timepulse.wired": False}."""
+    path = board_folder(name_or_path) / "board.toml"
+    data = read_toml(path)
+    for key, value in (changes or {}).items():
+        _replace(data, key, value, path)
+    return validated(Board, data, str(path))
+
+
+def _replace(data: dict[str, Any], key: str, value: Any, path: Path) -> None:
+    *parents, last = key.split(".")
+    table = data
+    for part in parents:
+        if not isinstance(table.get(part), dict):
+            known = ", ".join(table)
+            raise DescriptionError(f"{path}: no table {part!r} on the way to board.{key}; there are: {known}")
+        table = table[part]
+    table[last] = value

@@ -1,0 +1,1 @@
+"""Programs: one package per board, one program per processor."""

@@ -1,0 +1,57 @@
+"""What a profile of the board may set for this program."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any
+
+CHOICES: dict[str, tuple[Any, ...]] = {
+    "acquisition": ("timer", "data-ready"),
+    "strapdown": ("mean", "two-sample"),
+    "imu_rate_hz": (100,),
+    "imu_bandwidth": ("normal", "osr2", "osr4"),
+    "receiver": ("nmea-default", "nav-pvt"),
+    "gnss_rate_hz": (1, 2, 5, 10),
+    "output_rate_hz": (1, 2, 5, 10, 20, 50, 100),
+    "precision": ("float32", "float64"),
+    "start": ("rest", "motion"),
+}
+"""The values that each setting may take; settings of type bool may be true or false."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """One profile. Defaults are those of `full-rate`."""
+
+    acquisition: str = "data-ready"
+    """"timer": read at 100 Hz of the processor's timer; "data-ready": read when the chip says so."""
+    strapdown: str = "two-sample"
+    """"mean": ten-sample means, one step at 10 Hz; "two-sample": 100 Hz with coning and sculling terms."""
+    imu_rate_hz: int = 100
+    imu_bandwidth: str = "normal"
+    receiver: str = "nav-pvt"
+    """"nmea-default": the receiver as it comes, 9600 baud; "nav-pvt": 115200 baud and UBX NAV-PVT."""
+    gnss_rate_hz: int = 1
+    aiding: bool = True
+    """Non-holonomic constraint and zero-velocity updates."""
+    output_rate_hz: int = 10
+    precision: str = "float32"
+    """"float64" runs the same kernels in double precision, for error budgets only."""
+    start: str = "rest"
+    """"motion": the run starts under way, so alignment must not wait for a standstill."""
+
+    @classmethod
+    def of(cls, profile: Mapping[str, Any]) -> Settings:
+        """Settings from a profile table. Raises ValueError for what no program could mean."""
+        known = {field.name for field in fields(cls)}
+        for key, value in profile.items():
+            if key not in known:
+                raise ValueError(
+                    f"profile key {key!r} (value {value!r}) is unknown; known keys: {', '.join(sorted(known))}"
+                )
+            allowed = CHOICES.get(key, (True, False))
+            if value not in allowed or isinstance(value, bool) != isinstance(allowed[0], bool):
+                choices = ", ".join(repr(choice) for choice in allowed)
+                raise ValueError(f"profile key {key} = {value!r} is not possible; choose one of {choices}")
+        return cls(**profile)

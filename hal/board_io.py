@@ -1,0 +1,35 @@
+"""What a program finds wired to its processor: the interfaces of `hal`, under the names of the board description."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from hal.can import CanController
+from hal.clock import Clock
+from hal.cpu import Cpu
+from hal.i2c import I2cBus
+from hal.interrupts import InterruptController
+from hal.pins import InputPin, OutputPin
+from hal.spi import SpiDevice
+from hal.storage import LogFile
+from hal.timers import CaptureTimer, PeriodicTimer
+from hal.uart import Uart
+from hal.watchdog import Watchdog
+
+
+@dataclass
+class BoardIo:
+    """One processor's view of its board. A name that is missing from a mapping is not wired."""
+
+    cpu: Cpu
+    clock: Clock
+    interrupts: InterruptController
+    watchdog: Watchdog
+    spi: Mapping[str, SpiDevice] = field(default_factory=dict)
+    i2c: Mapping[str, I2cBus] = field(default_factory=dict)
+    uart: Mapping[str, Uart] = field(default_factory=dict)
+    can: Mapping[str, CanController] = field(default_factory=dict)
+    outputs: Mapping[str, OutputPin] = field(default_factory=dict)
+    inputs: Mapping[str, InputPin] = field(default_factory=dict)
+    captures: Mapping[str, CaptureTimer] = field(default_factory=dict)
+    timers: Mapping[str, PeriodicTimer] = field(default_factory=dict)
+    logs: Mapping[str, LogFile] = field(default_factory=dict)
