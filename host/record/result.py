@@ -112,9 +112,12 @@ class Expectation:
 
     name: str
     value: float | None
-    limit: str
-    """As it is shown, e.g. "<= 0.1" or "<= gnss.position_horizontal_rms_m (1.93)"."""
+    relation: str
+    """ "<=" or ">="."""
+    limit: float | None
     ok: bool
+    limit_name: str | None = None
+    """Set when the limit is itself a figure of the run, e.g. "gnss.position_horizontal_rms_m"."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ NAVIGATING = 3
 
 @dataclass(frozen=True, slots=True)
 class MotionBatch:
-    """Where the navigation point truly was, at the instants of a batch."""
+    """Where a point of the vehicle (navigation point or antenna) truly was, at the instants of a batch."""
 
     t: Floats
     latitude: Floats
@@ -60,23 +60,22 @@ class SolutionBatch:
 
 
 @dataclass(frozen=True, slots=True)
-class GnssFix:
-    """One epoch of the receiver as the board understood it, and where its antenna truly was at `t`.
+class GnssBatch:
+    """Epochs of the receiver as the board understood them. `t` is the true virtual time of validity.
 
-    `t` is the true virtual time of validity. Without a `fix` the other figures mean nothing.
-    `velocity_ned` may hold NaN where the receiver gave none.
+    Without a `fix` the other figures mean nothing. `velocity_ned` holds NaN where the receiver gave none
+    (its down component with RMC or VTG alone).
     """
 
-    t: float
-    fix: bool
-    latitude: float
-    longitude: float
-    height: float
-    velocity_ned: tuple[float, float, float]
-    true_latitude: float
-    true_longitude: float
-    true_height: float
-    true_velocity_ned: tuple[float, float, float]
+    t: Floats
+    fix: NDArray[np.bool_]
+    latitude: Floats
+    longitude: Floats
+    height: Floats
+    velocity_ned: Floats
+
+    def __len__(self) -> int:
+        return len(self.t)
 
 
 @dataclass(frozen=True, slots=True)
