@@ -65,6 +65,8 @@ class EmulatedCpu:
         self.resets: list[tuple[int, str]] = []
         self.trace: list[tuple[int, int, int]] | None = None
         """(bit of the line, start, end) in ns, while recording; at most TRACE_LENGTH entries."""
+        self.reset_hooks: list[Callable[[], None]] = []
+        """Called when the processor resets: every peripheral falls back to its state after power-on."""
         self._enabled = 0
         self._boot_ns = 0
         self._polls = 0
@@ -139,6 +141,11 @@ class EmulatedCpu:
         else:
             self.poll()
         elapsed = time.now - self._boot_ns
+        return elapsed + elapsed * self.crystal_error_ppb // SECOND
+
+    def clock_at(self, time_ns: int) -> int:
+        """What this processor's clock shows at a virtual time (a capture unit's latch, without an access)."""
+        elapsed = time_ns - self._boot_ns
         return elapsed + elapsed * self.crystal_error_ppb // SECOND
 
     def virtual_ns(self, clock_ns: int) -> int:
@@ -220,6 +227,7 @@ class EmulatedCpu:
             self.pending ^= bit
             line = self._by_bit[bit]
             start = time.now
+            requested = line.pended_at
             self.open_lines = line.open
             self._running = line
             self._nested_ns = 0
@@ -236,7 +244,6 @@ class EmulatedCpu:
             line.busy_ns += busy
             if busy > line.worst_busy_ns:
                 line.worst_busy_ns = busy
-            requested = line.pended_at
             if start - requested > line.worst_start_ns:
                 line.worst_start_ns = start - requested
             if end - requested > line.worst_response_ns:
@@ -272,16 +279,18 @@ class EmulatedCpu:
     def _pass_parked(self, end: int, stretch: bool) -> None:
         """The same for a further processor, which leaves the queue to the first one."""
         time = self.time
-        while time.now < end:
-            if end < time.limit:
-                time.now = end
-                return
-            self._park_until(end)
+        while True:
             if self.pending & self.open_lines:
                 before = time.now
                 self.serve()
                 if stretch:
                     end += time.now - before
+            if time.now >= end:
+                return
+            if end < time.limit:
+                time.now = end
+                return
+            self._park_until(end)
 
     def _park_until(self, end: int) -> None:
         """As a further processor: leave the queue to the first one until `end` or an interrupt."""
@@ -323,6 +332,8 @@ class EmulatedCpu:
         self.pending |= RESET_BIT
         if self.parked:
             self.rouse()
+        elif self.time.next_due > self.time.now:
+            self.time.look_now()
 
     def _reset_vector(self, program: Callable[[], None]) -> None:
         while True:
@@ -343,6 +354,8 @@ class EmulatedCpu:
         self._thread_open = self.open_lines = RESET_BIT
         self._running = None
         self._nested_ns = self._polls = 0
+        for hook in self.reset_hooks:
+            hook()
         raise ProcessorReset(self._reset_cause)
 
 

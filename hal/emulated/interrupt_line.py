@@ -63,15 +63,20 @@ class EmulatedLine:
         self.worst_start_ns = 0
 
     def request(self) -> None:
-        """A piece of hardware asks for service (to be called from an event)."""
+        """A piece of hardware asks for service, from an event or while some firmware operates it."""
         cpu = self._cpu
         bit = self.bit
         if cpu.pending & bit:
             self.overruns += 1
             return
         cpu.pending |= bit
-        self.pended_at = cpu.time.now
-        if cpu.parked and bit & cpu.open_lines:
+        time = cpu.time
+        now = time.now
+        self.pended_at = now
+        if not cpu.parked:
+            if time.next_due > now:
+                time.look_now()
+        elif bit & cpu.open_lines:
             cpu.rouse()
 
     def pend(self) -> None:

@@ -68,6 +68,14 @@ class VirtualTime:
             self._set_due(time_ns)
         return Event(entry)
 
+    def look_now(self) -> None:
+        """Make every processor look for interrupts before it lets more time pass, by an empty event.
+
+        For a request outside an event: firmware drives a pin that is wired to another processor's
+        interrupt, or reads a chip that changes its interrupt pin. Needed only while `next_due` > `now`.
+        """
+        self.at(self.now, _nothing)
+
     def _set_due(self, time_ns: int) -> None:
         self.next_due = time_ns
         self.limit = time_ns if time_ns < self._horizon else self._horizon
@@ -128,3 +136,7 @@ class VirtualTime:
 def instant(n: int, rate_hz: int, start_ns: int = 0) -> int:
     """Time of the n-th tick of a clock of `rate_hz`, computed from its count: t0 + n·10⁹ // f."""
     return start_ns + n * SECOND // rate_hz
+
+
+def _nothing() -> None:
+    """Event that only brings its instant about."""
