@@ -125,6 +125,11 @@ class Scorer:
         """Take in the filter's 9 × 9 covariance of [δr NED m, δv NED m/s, φ n rad] at `t`."""
         self._waiting_covariances.append((t, covariance))
 
+    @property
+    def buffered_rows(self) -> int:
+        """Rows that wait to be judged; bounded by a few seconds of a run."""
+        return len(self._recent) + sum(map(len, self._waiting_gnss)) + len(self._waiting_covariances)
+
     # -- judgement ---------------------------------------------------------------------------------
 
     def _judge(self, until: float) -> None:

@@ -20,6 +20,9 @@ class RecentRows:
         self._t = np.empty(0)
         self._rows = np.empty((0, columns))
 
+    def __len__(self) -> int:
+        return len(self._t)
+
     @property
     def newest(self) -> float:
         """Time of the last row; −∞ without rows."""
