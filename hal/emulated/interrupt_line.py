@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from hal.emulated.virtual_time import FAR
+from hal.interrupts import InterruptLine
 
 if TYPE_CHECKING:
     from hal.emulated.cpu import EmulatedCpu
@@ -98,6 +99,15 @@ class EmulatedLine:
     def disable(self) -> None:
         """Hold the line back; a request meanwhile stays pending."""
         self._cpu.set_enabled(self.bit, False)
+
+
+def emulated_line(line: InterruptLine) -> EmulatedLine:
+    """`line` as hardware sees it. Raises TypeError for a line that no emulated processor handed out."""
+    if not isinstance(line, EmulatedLine):
+        raise TypeError(
+            f"{line!r} is not a line of an emulated processor; take one from EmulatedCpu.attach()"
+        )
+    return line
 
 
 def _unattached() -> None:

@@ -1,0 +1,118 @@
+"""Electrical nets and the processor pins on them.
+
+A net has one driver (a chip, a processor pin, the world outside) and any number of listeners. A chip may
+leave its outputs alone while nobody looks at them: it asks `Net.listened`, and is told through
+`Net.on_first_listener` when that changes, so that it can bring the level up to date and go on from there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from hal.emulated.cpu import EmulatedCpu
+from hal.emulated.interrupt_line import EmulatedLine, emulated_line
+from hal.emulated.virtual_time import VirtualTime
+from hal.interrupts import InterruptLine
+from hal.pins import Edge
+
+Listener = Callable[[bool, int], None]
+
+
+class Net:
+    """One wire of the board. `level` is its electrical level now."""
+
+    __slots__ = ("_listeners", "level", "name", "on_first_listener", "time")
+
+    def __init__(self, time: VirtualTime, name: str, level: bool = False) -> None:
+        self.time = time
+        self.name = name
+        self.level = level
+        self.on_first_listener: Callable[[], None] | None = None
+        """Set by a lazy driver: called when `listened` becomes true, before the listener looks at `level`."""
+        self._listeners: tuple[Listener, ...] = ()
+
+    @property
+    def listened(self) -> bool:
+        """Whether anybody follows the level."""
+        return bool(self._listeners)
+
+    def set(self, level: bool) -> None:
+        """Drive the level; listeners hear of a change only."""
+        if level == self.level:
+            return
+        self.level = level
+        now = self.time.now
+        for listener in self._listeners:
+            listener(level, now)
+
+    def listen(self, callback: Listener) -> None:
+        """Call `callback(level, time_ns)` at every change from now on. It must not let time pass."""
+        first = not self._listeners
+        self._listeners = (*self._listeners, callback)
+        if first and self.on_first_listener is not None:
+            self.on_first_listener()
+
+    def ignore(self, callback: Listener) -> None:
+        """Take a listener back. Raises ValueError when it does not listen."""
+        if callback not in self._listeners:
+            raise ValueError(f"net {self.name!r}: {callback!r} does not listen, so it cannot be taken back")
+        self._listeners = tuple(other for other in self._listeners if other != callback)
+
+
+class EmulatedOutputPin:
+    """Implements `hal.pins.OutputPin`. At a reset of the processor the net falls back to the level that it
+    had before the firmware drove it (its pull-up or pull-down)."""
+
+    def __init__(self, cpu: EmulatedCpu, net: Net) -> None:
+        self._net = net
+        self._undriven = net.level
+        cpu.reset_hooks.append(self._reset)
+
+    def set(self, level: bool) -> None:
+        """Drive the electrical level."""
+        self._net.set(level)
+
+    def _reset(self) -> None:
+        self._net.set(self._undriven)
+
+
+class EmulatedInputPin:
+    """Implements `hal.pins.InputPin`."""
+
+    def __init__(self, cpu: EmulatedCpu, net: Net) -> None:
+        self._cpu = cpu
+        self._net = net
+        self._edge: Edge | None = None
+        self._line: EmulatedLine | None = None
+        self._listening = False
+        cpu.reset_hooks.append(self._reset)
+
+    def read(self) -> bool:
+        """The electrical level now."""
+        self._look()
+        self._cpu.poll()
+        return self._net.level
+
+    def interrupt_on(self, edge: Edge, line: InterruptLine) -> None:
+        """Pend `line` at every such edge; a second call replaces the first."""
+        self._edge = edge
+        self._line = emulated_line(line)
+        self._look()
+
+    def _look(self) -> None:
+        if not self._listening:
+            self._listening = True
+            self._net.listen(self._changed)
+
+    def _changed(self, level: bool, _time_ns: int) -> None:
+        edge = self._edge
+        if edge is None or self._line is None:
+            return
+        if edge is Edge.BOTH or level == (edge is Edge.RISING):
+            self._line.request()
+
+    def _reset(self) -> None:
+        self._edge = self._line = None
+        if self._listening:
+            self._listening = False
+            self._net.ignore(self._changed)
