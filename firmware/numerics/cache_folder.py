@@ -2,8 +2,8 @@
 
 Numba's own cache looks at the file of the kernel it compiles only: a kernel that calls a changed one in
 another file would keep the old code. So the folder's name is a hash of every source a kernel can see:
-all firmware files that use the decorator, what they import from firmware, and the versions of Python and
-numba. The same folder may be used by any number of processes at once (numba writes aside and renames, and
+all firmware files that use the decorator, what they import from firmware, the builders of kernels here,
+and the versions of Python and numba. The same folder may be used by any number of processes at once (numba writes aside and renames, and
 each kernel has one signature, hence one content).
 """
 
@@ -50,9 +50,10 @@ def kernel_sources_hash(versions: str) -> str:
 
 
 def kernel_sources() -> set[Path]:
-    """Files of firmware that hold kernels, and all firmware files these import, however far."""
+    """Files of firmware that hold or build kernels, and all firmware files these import, however far."""
     texts = {path: path.read_text(encoding="utf-8") for path in (_PACKAGE_ROOT / "firmware").rglob("*.py")}
-    found = {path for path, text in texts.items() if _DECORATOR_USED.search(text)}
+    builders = Path(__file__).parent
+    found = {path for path, text in texts.items() if path.parent == builders or _DECORATOR_USED.search(text)}
     waiting = list(found)
     while waiting:
         path = waiting.pop()

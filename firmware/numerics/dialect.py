@@ -108,12 +108,15 @@ def interpret(function: F, signature: Signature | None) -> F:
     return run  # type: ignore[return-value]
 
 
-def compile_lazily(function: F, signature: Signature | None) -> F:
-    """`function` as numba compiles it, at the first call from Python or from another kernel."""
+def compile_lazily(function: F, signature: Signature | None, kept_as: str | None = "float32") -> F:
+    """`function` as numba compiles it, at the first call from Python or from another kernel.
+
+    Its code is kept between runs in a folder for the sources and `kept_as`; not at all for None.
+    """
     import numba
 
     options: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
-    folder = _cache_folder() if signature is not None else None
+    folder = _cache_folder(kept_as) if signature is not None and kept_as is not None else None
     config: Any = numba.config
     # Numba decides where a function's code is kept when it is decorated; other users of numba in this
     # process keep their own place.
@@ -154,10 +157,11 @@ def _compile_declared_signature_only(dispatcher: Any, signature: Signature) -> N
 
 
 @functools.cache
-def _cache_folder() -> Path | None:
+def _cache_folder(kept_as: str) -> Path | None:
     import llvmlite.binding
     import numba
 
+    config: Any = numba.config
     processor = llvmlite.binding.get_host_cpu_name()
-    versions = f"{sys.version} numba {numba.__version__} numpy {np.__version__} {processor}"
-    return kernel_cache_folder(versions)
+    versions = (sys.version, numba.__version__, np.__version__, processor, config.OPT, kept_as)
+    return kernel_cache_folder(repr(versions))
