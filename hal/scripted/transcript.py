@@ -79,8 +79,7 @@ class Transcript:
         self.play()
         if self.position < len(self.steps):
             raise AssertionError(
-                f"transcript not finished: {len(self.steps) - self.position} of {len(self.steps)} steps left, "
-                f"next {self._where()}\n  expected: {self.steps[self.position]}\n  got:      the end"
+                f"transcript not finished, next is {self._where()}\n  expected: {self.steps[self.position]}\n  got:      the end"
             )
 
     def on_arrival(self, kind: str, name: str, arrival: Arrival) -> None:
@@ -114,7 +113,7 @@ class Transcript:
             arrival = self._arrivals.get((kind, name))
             if arrival is None:
                 raise AssertionError(
-                    f"{self._where()}: {step} comes in, but the driver has not prepared {kind} {name!r} for it"
+                    f"{self._where()}: {step} comes in, but the driver has not set up {kind} {name!r} for it"
                 )
             self.position += 1
             arrival(rest)
