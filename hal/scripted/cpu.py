@@ -74,7 +74,7 @@ class ScriptedCpu:
         """Run pending handlers. Raises AssertionError when nothing comes in that could end the sleep."""
         if not self._serve():
             raise AssertionError(
-                f"the driver sleeps at step {self._transcript.position + 1}, where nothing comes in to wake it"
+                f"the driver sleeps at step {self._transcript.position + 1}, where nothing comes in"
             )
 
     def attach(self, name: str, handler: Callable[[], None]) -> ScriptedLine:

@@ -79,7 +79,8 @@ class Transcript:
         self.play()
         if self.position < len(self.steps):
             raise AssertionError(
-                f"transcript not finished, next is {self._where()}\n  expected: {self.steps[self.position]}\n  got:      the end"
+                f"transcript not finished, next is {self._where()}\n"
+                f"  expected: {self.steps[self.position]}\n  got:      the end"
             )
 
     def on_arrival(self, kind: str, name: str, arrival: Arrival) -> None:
