@@ -1,0 +1,1 @@
+"""Boards: chip models, and one folder per board with its description."""
