@@ -3,8 +3,8 @@
 Numba's own cache looks at the file of the kernel it compiles only: a kernel that calls a changed one in
 another file would keep the old code. So the folder's name is a hash of every source a kernel can see:
 all firmware files that use the decorator, what they import from firmware, the builders of kernels here,
-and the versions of Python and numba. The same folder may be used by any number of processes at once (numba writes aside and renames, and
-each kernel has one signature, hence one content).
+and the versions of Python and numba. The same folder may be used by any number of processes at once (numba
+writes aside and renames, and each kernel has one signature, hence one content).
 """
 
 import contextlib
