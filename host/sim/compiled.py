@@ -1,0 +1,55 @@
+"""Decorators of the simulator's inner loops: float64, compiled by numba, the same bits when interpreted.
+
+Compiled entries are kept between runs in the cache of the firmware's kernels, in a folder whose name is a
+hash of all sources of the simulator as well, because numba itself does not see a change in a function that
+is called from another file. With NUMBA_DISABLE_JIT=1 the functions run as plain Python.
+
+Rules for the bodies, so that both ways and all machines give the same bits: + − × ÷ and sqrt only (sines
+by `host.sim.sine`, never the C library's), no `**`, no division by zero, no fast-math.
+"""
+
+from __future__ import annotations
+
+import functools
+import hashlib
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import llvmlite.binding
+import numba
+import numpy as np
+
+from firmware.numerics.cache_folder import kernel_cache_folder
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+_OPTIONS = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
+
+
+def inner(function: F) -> F:
+    """A function that only compiled functions call."""
+    return numba.njit(**_OPTIONS)(function)
+
+
+def entry(function: F) -> F:
+    """A function called from Python; its machine code is kept between runs."""
+    folder = _cache_folder()
+    config: Any = numba.config
+    # Numba decides where code is kept when it decorates; others in this process keep their own place.
+    before, config.CACHE_DIR = config.CACHE_DIR, str(folder)
+    try:
+        return numba.njit(cache=folder is not None, **_OPTIONS)(function)
+    finally:
+        config.CACHE_DIR = before
+
+
+@functools.cache
+def _cache_folder() -> Path | None:
+    digest = hashlib.sha256()
+    for path in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    processor = llvmlite.binding.get_host_cpu_name()
+    versions = f"{sys.version} numba {numba.__version__} numpy {np.__version__} {processor}"
+    return kernel_cache_folder(f"{versions} simulator {digest.hexdigest()}")

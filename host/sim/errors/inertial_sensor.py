@@ -1,0 +1,136 @@
+"""One inertial sensor on the simulated vehicle: what its chip model samples."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from host.sim.errors.drawn import AXES, Specimen
+from host.sim.errors.processes import ProcessBank
+from host.sim.errors.sensor_kernel import (
+    BIAS_A,
+    BIAS_G,
+    CROSS_A,
+    CROSS_G,
+    DENSITY,
+    G_SENSITIVITY,
+    LEVER,
+    MOUNTING,
+    NOISE_MEMORY,
+    SCALE_A,
+    SCALE_G,
+    SLOW,
+    TEMPERATURE,
+    sample_sensor,
+)
+from host.sim.errors.sensor_kernel import CONSTANTS as SENSOR_CONSTANTS
+from host.sim.seeding import generator
+from host.sim.trajectory.motion import CHUNK_SHIFT, CHUNKS_KEPT, Motion, split_by_chunk
+
+Array = NDArray[np.float64]
+
+
+class InertialSensor:
+    """A gyro and accelerometer triad. Implements `boards.chips.world.ImuWorld`."""
+
+    def __init__(
+        self,
+        motion: Motion,
+        specimen: Specimen,
+        seed: int,
+        component: str,
+        mounting: Array,
+        lever_arm: Array,
+    ) -> None:
+        """`mounting` = C_b_s (3, 3): body = C_b_s sensor; `lever_arm` (3,) from the origin, body axes, m."""
+        self._motion = motion
+        self.specimen = specimen
+        self._bank = ProcessBank([*specimen.gyro.processes, *specimen.accelerometer.processes], seed)
+        self._constants = _pack(specimen, mounting, lever_arm)
+        self._memory = np.zeros(NOISE_MEMORY)
+        self._memory[-1] = -1.0
+        channels = [
+            f"{component}.{triad}_{axis}.noise" for triad in ("gyro", "accelerometer") for axis in AXES
+        ]
+        self._noise = [generator(seed, name) for name in channels]
+        self._slow: dict[int, Array] = {}
+
+    def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> Array:
+        """Force (3), rate (3), temperature at rising times; see `boards.chips.world.ImuWorld.sample`."""
+        out = np.empty((len(times_ns), 7))
+        normals = np.empty((len(times_ns), 6))
+        for column, channel in enumerate(self._noise):
+            normals[:, column] = channel.standard_normal(len(times_ns))
+        shifts = np.array([0, self._motion.node_shift, self._bank.node_shift])
+        for chunk, part in split_by_chunk(times_ns):
+            shifts[0] = chunk << CHUNK_SHIFT
+            sample_sensor(
+                self._motion.tables,
+                self._motion.nodes(chunk),
+                self._slow_nodes(chunk),
+                shifts,
+                self._constants,
+                bandwidth_hz,
+                normals[part],
+                self._memory,
+                times_ns[part],
+                out[part],
+            )
+        return out
+
+    def slow_errors(self, times_ns: NDArray[np.int64]) -> Array:
+        """Bias of gyro (3, rad/s) and accelerometer (3, m/s²), their scale errors (3, 3) and the temperature,
+        shape (n, 13), in the sensor's axes, at rising times."""
+        out = np.empty((len(times_ns), SLOW))
+        step = 1 << self._bank.node_shift
+        for chunk, part in split_by_chunk(times_ns):
+            nodes = self._slow_nodes(chunk)
+            at = (times_ns[part] - (chunk << CHUNK_SHIFT)) / step
+            for column in range(SLOW):
+                out[part, column] = np.interp(at, np.arange(len(nodes)), nodes[:, column])
+        return out
+
+    def _slow_nodes(self, chunk: int) -> Array:
+        nodes = self._slow.get(chunk)
+        if nodes is None:
+            nodes = self._compose(chunk)
+            self._slow[chunk] = nodes
+            if len(self._slow) > CHUNKS_KEPT:
+                del self._slow[next(iter(self._slow))]
+        return nodes
+
+    def _compose(self, chunk: int) -> Array:
+        """Sum fixed, drawn, running and temperature parts at the nodes of a chunk."""
+        running = self._bank.nodes(chunk)
+        s = self.specimen
+        out = np.empty((len(running), SLOW))
+        t = ((chunk << CHUNK_SHIFT) + np.arange(len(running)) * (1 << self._bank.node_shift)) * 1e-9
+        warm = np.array([-math.expm1(-x / s.rise_time_s) for x in t])
+        out[:, TEMPERATURE] = s.start_c + s.rise_k * warm
+        above = out[:, TEMPERATURE] - s.reference_c
+        for triad, first, bias, scale in (
+            (s.gyro, 0, BIAS_G, SCALE_G),
+            (s.accelerometer, 9, BIAS_A, SCALE_A),
+        ):
+            for i in range(3):
+                drift = running[:, first + i] + running[:, first + 3 + i]
+                out[:, bias + i] = triad.bias[i] + drift + triad.bias_per_kelvin[i] * above
+                out[:, scale + i] = (
+                    triad.scale[i] + running[:, first + 6 + i] + triad.scale_per_kelvin[i] * above
+                )
+        return out
+
+
+def _pack(specimen: Specimen, mounting: Array, lever_arm: Array) -> Array:
+    """The sensor's constants in the layout of `sensor_kernel`."""
+    constants = np.empty(SENSOR_CONSTANTS)
+    constants[LEVER:MOUNTING] = lever_arm
+    constants[MOUNTING:CROSS_G] = np.asarray(mounting, dtype=np.float64).reshape(9)
+    constants[CROSS_G:CROSS_A] = specimen.gyro.cross.reshape(9)
+    constants[CROSS_A:G_SENSITIVITY] = specimen.accelerometer.cross.reshape(9)
+    constants[G_SENSITIVITY:DENSITY] = specimen.g_sensitivity.reshape(9)
+    constants[DENSITY : DENSITY + 3] = specimen.gyro.noise_density
+    constants[DENSITY + 3 :] = specimen.accelerometer.noise_density
+    return constants

@@ -1,0 +1,85 @@
+"""What may be said about the errors of an inertial sensor: units of data sheets, one value or one per axis.
+
+Every value defaults to no error. `bias` and `scale` are fixed and known, the σ of `turn_on_…`, `scale_…` and
+`misalignment_…` are drawn once a run, Gauss–Markov and random-walk parts run on. Source 002, section 2.5.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import AfterValidator, Field
+
+from host.sim.schema import NotNegative, PerAxis, Positive, Table
+
+
+def _not_negative(value: PerAxis) -> PerAxis:
+    if min(value if isinstance(value, list) else [value]) < 0.0:
+        raise ValueError("must not be negative")
+    return value
+
+
+def _positive(value: PerAxis) -> PerAxis:
+    if min(value if isinstance(value, list) else [value]) < 1.0:
+        raise ValueError("must be at least 1 s; faster parts belong to the white noise")
+    return value
+
+
+Sigma = Annotated[PerAxis, AfterValidator(_not_negative)]
+CorrelationTime = Annotated[PerAxis, AfterValidator(_positive)]
+
+
+class GyroErrors(Table):
+    """Gyro triad."""
+
+    noise_dps_per_rthz: Sigma = Field(0.0, examples=[0.005])
+    bias_dps: PerAxis = Field(0.0, examples=[[0.3, -0.2, 0.1]])
+    turn_on_bias_dps: Sigma = Field(0.0, examples=[0.5])
+    instability_dph: Sigma = Field(0.0, examples=[8.0])
+    instability_time_s: CorrelationTime = Field(100.0, examples=[100.0])
+    random_walk_dph_per_rts: Sigma = Field(0.0, examples=[0.3])
+    scale_percent: PerAxis = Field(0.0, examples=[0.5])
+    scale_error_percent: Sigma = Field(0.0, examples=[0.5])
+    scale_instability_ppm: Sigma = Field(0.0, examples=[100.0])
+    scale_instability_time_s: CorrelationTime = Field(1000.0, examples=[1000.0])
+    misalignment_deg: NotNegative = Field(0.0, examples=[0.2])
+    g_sensitivity_dps_per_g: Sigma = Field(0.0, examples=[0.01])
+    bias_temperature_dps_per_k: Sigma = Field(0.0, examples=[0.05])
+    scale_temperature_percent_per_k: Sigma = Field(0.0, examples=[0.02])
+
+
+class AccelerometerErrors(Table):
+    """Accelerometer triad."""
+
+    noise_ug_per_rthz: Sigma = Field(0.0, examples=[180.0])
+    bias_mg: PerAxis = Field(0.0, examples=[[10.0, -20.0, 5.0]])
+    turn_on_bias_mg: Sigma = Field(0.0, examples=[40.0])
+    instability_mg: Sigma = Field(0.0, examples=[0.1])
+    instability_time_s: CorrelationTime = Field(100.0, examples=[100.0])
+    random_walk_mg_per_rts: Sigma = Field(0.0, examples=[0.005])
+    scale_percent: PerAxis = Field(0.0, examples=[0.5])
+    scale_error_percent: Sigma = Field(0.0, examples=[0.5])
+    scale_instability_ppm: Sigma = Field(0.0, examples=[100.0])
+    scale_instability_time_s: CorrelationTime = Field(1000.0, examples=[1000.0])
+    misalignment_deg: NotNegative = Field(0.0, examples=[0.2])
+    bias_temperature_mg_per_k: Sigma = Field(0.0, examples=[1.0])
+    scale_temperature_percent_per_k: Sigma = Field(0.0, examples=[0.03])
+
+
+class Temperature(Table):
+    """Temperature of the chip: start + rise · (1 − exp(−t / time)). Drift counts from `reference_c`, where the
+    turn-on bias applies; left out, that is the start."""
+
+    start_c: float = Field(25.0, ge=-60.0, le=125.0, examples=[25.0])
+    rise_k: float = Field(0.0, ge=-100.0, le=100.0, examples=[5.0])
+    rise_time_s: Positive = Field(900.0, examples=[900.0])
+    reference_c: float | None = Field(None, examples=[25.0])
+
+
+class ImuErrors(Table):
+    """Both triads of one inertial sensor."""
+
+    preset: str | None = Field(None, examples=["bmi160"])
+    gyro: GyroErrors = GyroErrors()
+    accelerometer: AccelerometerErrors = AccelerometerErrors()
+    temperature: Temperature = Temperature()

@@ -1,0 +1,1 @@
+"""A GNSS receiver's solutions: errors, outages and the sky above it."""

@@ -1,0 +1,50 @@
+"""Faults of a scenario that happen in the receiver's own solution.
+
+| kind | parameters |
+| --- | --- |
+| gnss-time-jump | offset_s: the reported time is off by this much |
+| gnss-position-jump | north_m, east_m, down_m: the reported position is off by this much |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from host.sim.gnss.schedule import NS, Glitch, Window
+from host.sim.scenario.errors import ScenarioError
+from host.sim.scenario.schema import Fault
+
+TIME_JUMP = "gnss-time-jump"
+POSITION_JUMP = "gnss-position-jump"
+GNSS_FAULT_KINDS = (TIME_JUMP, POSITION_JUMP)
+_PARAMETERS = {TIME_JUMP: ("offset_s",), POSITION_JUMP: ("north_m", "east_m", "down_m")}
+
+
+def glitches_of(faults: Sequence[Fault], receiver: str, end_ns: int) -> list[Glitch]:
+    """The faults that strike the receiver called `receiver`; without a duration they last to `end_ns`.
+
+    Raises ScenarioError when a parameter is unknown or not a number.
+    """
+    return [
+        _glitch(fault, end_ns)
+        for fault in faults
+        if fault.kind in GNSS_FAULT_KINDS and fault.target == receiver
+    ]
+
+
+def _glitch(fault: Fault, end_ns: int) -> Glitch:
+    name = fault.name or fault.kind
+    values = {key: 0.0 for key in _PARAMETERS[fault.kind]}
+    for key, value in fault.parameters.items():
+        if key not in values or isinstance(value, bool) or not isinstance(value, int | float):
+            known = ", ".join(f"{k} = 50.0" for k in values)
+            raise ScenarioError(
+                f"fault {name!r}: parameters.{key} = {value!r} is not a number known here; for example {known}"
+            )
+        values[key] = float(value)
+    start_ns = round(fault.at_s * NS)
+    stop_ns = end_ns if fault.duration_s is None else start_ns + round(fault.duration_s * NS)
+    window = Window(start_ns, max(start_ns, stop_ns))
+    if fault.kind == TIME_JUMP:
+        return Glitch(name, window, time_offset_ns=round(values["offset_s"] * NS))
+    return Glitch(name, window, offset_ned_m=(values["north_m"], values["east_m"], values["down_m"]))

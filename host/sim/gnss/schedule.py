@@ -1,0 +1,37 @@
+"""When a receiver has no signal, and what the scenario makes it report wrongly."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+NS = 1_000_000_000
+
+
+@dataclass(frozen=True)
+class Window:
+    """A stretch of virtual time, end excluded."""
+
+    start_ns: int
+    end_ns: int
+
+    def holds(self, time_ns: int) -> bool:
+        """Whether an instant lies in it."""
+        return self.start_ns <= time_ns < self.end_ns
+
+
+@dataclass
+class Glitch:
+    """A receiver fault: from `window` start to end the reported time or position is off."""
+
+    name: str
+    window: Window
+    time_offset_ns: int = 0
+    offset_ned_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    fired: int = field(default=0)
+    """Epochs that came out wrong."""
+
+
+def window(start_s: float, duration_s: float) -> Window:
+    """From seconds."""
+    start_ns = round(start_s * NS)
+    return Window(start_ns, start_ns + round(duration_s * NS))

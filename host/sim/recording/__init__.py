@@ -1,0 +1,1 @@
+"""Real recordings behind the same world faces as the simulation."""

@@ -1,0 +1,138 @@
+"""One clear message from a failed validation: file, key, value, what is wrong, a valid example."""
+
+from __future__ import annotations
+
+import difflib
+import json
+from typing import Any, get_args
+
+from pydantic import BaseModel, ValidationError
+
+_UNITS = {
+    "s": "seconds",
+    "m": "metres",
+    "mps": "m/s",
+    "mps2": "m/s²",
+    "deg": "degrees",
+    "dps": "°/s",
+    "dph": "°/h",
+    "hz": "hertz",
+    "mg": "mg",
+    "percent": "percent",
+    "ppm": "ppm",
+    "c": "°C",
+    "k": "kelvin",
+}
+
+
+def explain(error: ValidationError, model: type[BaseModel], source: str) -> str:
+    """The first thing that is wrong, in one line."""
+    first = error.errors()[0]
+    owner, path, key = _locate(model, first["loc"])
+    value = _shown(first["input"])
+    kind = first["type"]
+    if kind == "extra_forbidden":
+        return f"{source}: unknown key {path} = {value}; {_hint(owner, key)}"
+    example = _example(owner, key)
+    if kind == "missing":
+        return f"{source}: {path} is missing{example}"
+    if kind in ("union_tag_invalid", "union_tag_not_found"):
+        return f"{source}: {path}: {_unknown_kind(first)}"
+    if kind in ("model_type", "model_attributes_type", "dict_type"):
+        return f"{source}: {path} = {value}: must be a table{example}"
+    return (
+        f"{source}: {path} = {value}: {_reason(first, key)}{example}"
+        if path
+        else f"{source}: {_reason(first, key)}"
+    )
+
+
+def _reason(first: Any, key: str) -> str:
+    if first["type"] in ("float_type", "int_type", "finite_number"):
+        unit = _UNITS.get(key.rsplit("_", 1)[-1])
+        return "must be a finite number" + (f" of {unit}" if unit and "_" in key else "")
+    if first["type"] == "list_type":
+        return "must be a list; a list of tables is headed [[…]] with double brackets"
+    message = str(first["msg"]).removeprefix("Value error, ")
+    return message[:1].lower() + message[1:]
+
+
+def _hint(owner: type[BaseModel] | None, key: str) -> str:
+    known = sorted(set(owner.model_fields) - {"path", "name"} if owner else ())
+    stem, _, unit = key.rpartition("_")
+    for candidate in known:
+        other_stem, _, other_unit = candidate.rpartition("_")
+        if other_unit in _UNITS and (stem == other_stem or key == other_stem) and unit != other_unit:
+            return f"this quantity is given in {_UNITS[other_unit]}{_example(owner, candidate)}"
+    near = difflib.get_close_matches(key, known, n=1)
+    if near:
+        return f"did you mean {near[0]!r}?"
+    return "known keys: " + ", ".join(known)
+
+
+def _unknown_kind(first: Any) -> str:
+    expected = [tag.strip("' ") for tag in str(first["ctx"].get("expected_tags", "")).split(",")]
+    given = first["ctx"].get("tag")
+    if given is None:
+        return 'key kind is missing; for example kind = "turn", duration_s = 8.0, angle_deg = 90.0'
+    near = difflib.get_close_matches(str(given), expected, n=1)
+    hint = f"did you mean {near[0]!r}?" if near else "known kinds: " + ", ".join(expected)
+    return f"kind = {_shown(given)} is not known; {hint}"
+
+
+def _locate(model: type[BaseModel], location: tuple[Any, ...]) -> tuple[type[BaseModel] | None, str, str]:
+    """The model that owns the key, the key's dotted path as people write it, and the key."""
+    owner: type[BaseModel] | None = model
+    found: type[BaseModel] | None = model
+    path, key = "", ""
+    branches: list[type[BaseModel]] = []
+    for part in location:
+        if isinstance(part, int):
+            path += f"[{part + 1}]"
+            continue
+        tagged = [branch for branch in branches if part in _tags(branch)]
+        if tagged:
+            owner, branches = tagged[0], []
+            continue
+        if part in _TYPE_NAMES or part.startswith(("constrained-", "function-", "list[")):
+            continue
+        found, key = owner, part
+        path += f".{part}" if path else part
+        branches = (
+            _inner_models(owner.model_fields[part].annotation) if owner and part in owner.model_fields else []
+        )
+        owner = branches[0] if len(branches) == 1 else None
+    return found, path, key
+
+
+_TYPE_NAMES = {"float", "int", "str", "bool"}
+
+
+def _tags(model: type[BaseModel]) -> tuple[Any, ...]:
+    field = model.model_fields.get("kind")
+    return get_args(field.annotation) if field is not None else ()
+
+
+def _inner_models(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [model for argument in get_args(annotation) for model in _inner_models(argument)]
+
+
+def _example(owner: type[BaseModel] | None, key: str) -> str:
+    info = owner.model_fields.get(key) if owner is not None else None
+    if info is None or not info.examples:
+        return ""
+    return f"; for example {key} = {_shown(info.examples[0])}"
+
+
+def _shown(value: Any) -> str:
+    """A value as TOML would write it, shortened."""
+    if isinstance(value, dict):
+        text = "{ " + ", ".join(f"{k} = {_shown(v)}" for k, v in value.items()) + " }"
+    else:
+        try:
+            text = json.dumps(value, ensure_ascii=False)
+        except TypeError:
+            text = repr(value)
+    return text if len(text) <= 120 else text[:117] + "..."

@@ -1,0 +1,52 @@
+"""Rows of the numeric trajectory matrix (source 002, table 3-1) as motion segments."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from host.sim.scenario.motion_schema import (
+    Accelerate,
+    AccelerationRamp,
+    Circle,
+    Cruise,
+    ReachSpeed,
+    SegmentModel,
+    SpeedChange,
+    Surge,
+    Turn,
+    TurnRateRamp,
+    Weave,
+)
+
+
+def segment_of_row(row: Sequence[float]) -> SegmentModel:
+    """One row: type code, duration and two parameters (missing ones are 0).
+
+    ValueError when the code is not known or a value is out of range.
+    """
+    code, duration, p, q = [float(x) for x in (*row, 0.0, 0.0)][:4]
+    match code:
+        case 1.0:
+            return Cruise(kind="cruise", duration_s=duration)
+        case 2.0:
+            return SpeedChange(kind="speed-change", duration_s=duration, by_mps=p)
+        case 3.0:
+            return ReachSpeed(kind="reach-speed", duration_s=duration, to_mps=p)
+        case 4.0:
+            return Accelerate(kind="accelerate", duration_s=duration, acceleration_mps2=p)
+        case 5.0:
+            return Surge(kind="surge", duration_s=duration, amplitude_mps2=p, period_s=q)
+        case 6.0:
+            return AccelerationRamp(kind="acceleration-ramp", duration_s=duration, from_mps2=p, to_mps2=q)
+        case 7.0:
+            return Turn(kind="turn", duration_s=duration, angle_deg=q)
+        case 8.0:
+            return Circle(kind="circle", duration_s=duration, rate_dps=p)
+        case 9.0 | 91.0:
+            kind = "weave" if code == 9.0 else "weave-cosine"
+            return Weave(kind=kind, duration_s=duration, period_s=p, amplitude_dps=q)
+        case 10.0:
+            return TurnRateRamp(kind="turn-rate-ramp", duration_s=duration, from_dps=p, to_dps=q)
+    raise ValueError(
+        f"type code {code:g} is not one of 1 … 10, 91; for example [7, 8, 0, 90] turns right by 90°"
+    )

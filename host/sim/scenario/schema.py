@@ -1,0 +1,226 @@
+"""What a scenario file may say. Units stand in the names of the keys."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Field, field_validator, model_validator
+
+from host.sim.errors.presets import load_preset
+from host.sim.errors.schema import ImuErrors
+from host.sim.gnss.settings import GnssSettings
+from host.sim.scenario.motion_schema import AnySegment
+from host.sim.schema import NotNegative, Positive, Table
+
+GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
+
+
+class Place(Table):
+    """Where the vehicle starts (WGS-84) and how far the geoid lies above the ellipsoid there."""
+
+    latitude_deg: float = Field(ge=-89.0, le=89.0, examples=[30.5278])
+    longitude_deg: float = Field(ge=-180.0, le=180.0, examples=[114.3557])
+    height_m: float = Field(0.0, ge=-1000.0, le=100_000.0, examples=[35.0])
+    geoid_separation_m: float = Field(0.0, ge=-120.0, le=100.0, examples=[-12.0])
+
+
+class Start(Table):
+    """UTC at the start of the run."""
+
+    utc: str = Field("2024-05-14T08:00:00Z", examples=["2024-05-14T08:00:00Z"])
+    leap_seconds: int = Field(18, ge=0, le=60, examples=[18])
+
+    @field_validator("utc")
+    @classmethod
+    def _is_utc(cls, value: str) -> str:
+        try:
+            moment = datetime.fromisoformat(value)
+        except ValueError:
+            raise ValueError("is not a time in ISO 8601") from None
+        if moment.tzinfo is None or moment.utcoffset() != UTC.utcoffset(None):
+            raise ValueError("must be UTC, marked by a Z at the end")
+        if moment < GPS_EPOCH:
+            raise ValueError("lies before 1980-01-06, where GPS time begins")
+        return value
+
+    @property
+    def gps_time_ns(self) -> int:
+        """GPS time of the start since 1980-01-06, ns."""
+        elapsed = datetime.fromisoformat(self.utc) - GPS_EPOCH
+        micros = (elapsed.days * 86400 + elapsed.seconds) * 1_000_000 + elapsed.microseconds
+        return micros * 1000 + self.leap_seconds * 1_000_000_000
+
+
+class Initial(Table):
+    """Motion at the start of the run."""
+
+    speed_mps: NotNegative = Field(0.0, examples=[0.0])
+    yaw_deg: float = Field(0.0, ge=-360.0, le=360.0, examples=[45.0])
+    pitch_deg: float = Field(0.0, ge=-89.0, le=89.0, examples=[0.0])
+    roll_deg: float = Field(0.0, ge=-89.0, le=89.0, examples=[0.0])
+
+
+class Trajectory(Table):
+    """How segments are joined. `matrix` = rows of source 002, table 3-1, followed to the letter."""
+
+    blend_s: NotNegative = Field(0.5, le=10.0, examples=[0.5])
+    matrix: list[Annotated[list[float], Field(min_length=2, max_length=4)]] | None = Field(
+        None, examples=[[[1, 60, 0, 0], [3, 10, 12, 0], [7, 8, 0, 90]]]
+    )
+
+
+class Sway(Table):
+    """Roll and pitch that the road gives a moving car: RMS at full size, band."""
+
+    roll_deg: NotNegative = Field(0.0, le=20.0, examples=[0.4])
+    pitch_deg: NotNegative = Field(0.0, le=20.0, examples=[0.3])
+    low_hz: Positive = Field(0.1, examples=[0.1])
+    high_hz: float = Field(1.5, gt=0.0, le=5.0, examples=[1.5])
+
+
+class Vibration(Table):
+    """Vibration of the vehicle: acceleration RMS per path axis over a band, and coning of the body."""
+
+    x_mps2: NotNegative = Field(0.0, le=50.0, examples=[0.5])
+    y_mps2: NotNegative = Field(0.0, le=50.0, examples=[0.5])
+    z_mps2: NotNegative = Field(0.0, le=50.0, examples=[1.5])
+    low_hz: float = Field(3.0, ge=0.5, le=20.0, examples=[3.0])
+    high_hz: float = Field(15.0, ge=0.5, le=20.0, examples=[15.0])
+    coning_deg: float = Field(0.0, ge=0.0, le=20.0, examples=[0.5])
+    coning_hz: float = Field(5.0, gt=0.0, le=20.0, examples=[5.0])
+    half_speed_mps: Positive = Field(2.0, examples=[2.0])
+    always: bool = False
+
+    @model_validator(mode="after")
+    def _band_is_a_band(self) -> Vibration:
+        if self.high_hz <= self.low_hz:
+            raise ValueError(f"high_hz = {self.high_hz:g} must lie above low_hz = {self.low_hz:g}")
+        return self
+
+
+class OutageWindow(Table):
+    """No satellite signals for a while (a tunnel)."""
+
+    start_s: NotNegative = Field(examples=[300.0])
+    duration_s: Positive = Field(examples=[60.0])
+
+
+class Fault(Table):
+    """Something that breaks: `kind` and `target` are known to whoever injects it."""
+
+    kind: str = Field(min_length=1, examples=["uart-cut"])
+    target: str = Field(min_length=1, examples=["gnss"])
+    at_s: NotNegative = Field(examples=[120.0])
+    duration_s: Positive | None = Field(None, examples=[5.0])
+    name: str | None = Field(None, examples=["receiver unplugged"])
+    parameters: dict[str, float | int | str | bool | list[float]] = {}
+
+
+class RecordingSource(Table):
+    """Which real recording drives the board, below the folder of --data or NAVTWIN_DATA."""
+
+    file: str = Field(min_length=1, examples=["comma2k19/example_1.npz"])
+    gyro: Literal["uncalibrated", "calibrated"] = "uncalibrated"
+
+
+@dataclass(frozen=True)
+class Limit:
+    """What a figure must satisfy: `relation` to `value`, or to the figure called `name`."""
+
+    relation: Literal["<=", ">="]
+    value: float | None
+    name: str | None = None
+
+
+_LIMIT = re.compile(r"^\s*(<=|>=)\s*(\S+)\s*$")
+
+
+def _limit(value: Any) -> Limit:
+    if isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise ValueError('must be a number (an upper limit) or a text like "<= 2.5"')
+    if isinstance(value, int | float):
+        if not abs(value) < float("inf"):
+            raise ValueError("must be a finite number")
+        return Limit("<=", float(value))
+    match = _LIMIT.match(value)
+    if match is None:
+        raise ValueError('must be a number or a text like "<= 2.5" or "<= gnss.position_horizontal_rms_m"')
+    relation: Literal["<=", ">="] = "<=" if match[1] == "<=" else ">="
+    try:
+        return Limit(relation, float(match[2]))
+    except ValueError:
+        return Limit(relation, None, match[2])
+
+
+def _flat_limits(value: Any) -> Any:
+    """Nested tables as dotted names: [expect.metrics] yaw_rms_deg = 1.5 → metrics.yaw_rms_deg."""
+    if not isinstance(value, dict):
+        return value
+    flat: dict[str, Limit] = {}
+    for key, item in value.items():
+        if isinstance(item, dict):
+            flat |= {f"{key}.{inner}": limit for inner, limit in _flat_limits(item).items()}
+        else:
+            try:
+                flat[key] = item if isinstance(item, Limit) else _limit(item)
+            except ValueError as error:
+                raise ValueError(f"{key} = {item!r}: {error}") from None
+    return flat
+
+
+class Scenario(Table):
+    """A whole scenario. `host.sim.scenario.load.load_scenario` makes one from a file."""
+
+    name: str
+    description: str = ""
+    kind: Literal["simulated", "recording"] = "simulated"
+    place: Place | None = Field(None, examples=[{"latitude_deg": 30.5278, "longitude_deg": 114.3557}])
+    start: Start = Start()
+    duration_s: Positive | None = Field(None, le=1e7, examples=[1200.0])
+    initial: Initial = Initial()
+    trajectory: Trajectory = Trajectory()
+    segment: list[AnySegment] = Field([], examples=[[{"kind": "rest", "duration_s": 60.0}]])
+    sway: Sway = Sway()
+    vibration: Vibration = Vibration()
+    imu: ImuErrors = ImuErrors()
+    gnss: GnssSettings = GnssSettings()
+    outage: list[OutageWindow] = Field([], examples=[[{"start_s": 300.0, "duration_s": 60.0}]])
+    fault: list[Fault] = []
+    recording: RecordingSource | None = Field(None, examples=[{"file": "comma2k19/example_1.npz"}])
+    expect: Annotated[dict[str, Limit], BeforeValidator(_flat_limits)] = Field(
+        {}, examples=[{"metrics.position_horizontal_rms_m": 2.5}]
+    )
+    path: Path | None = None
+    """The file it came from."""
+
+    @field_validator("imu")
+    @classmethod
+    def _preset_is_known(cls, value: ImuErrors) -> ImuErrors:
+        if value.preset is not None:
+            try:
+                load_preset(value.preset)
+            except KeyError as error:
+                raise ValueError(error.args[0]) from None
+        return value
+
+    @model_validator(mode="after")
+    def _kind_has_its_parts(self) -> Scenario:
+        if self.kind == "recording":
+            if self.recording is None:
+                raise ValueError(
+                    'kind = "recording" needs a table: [recording] file = "comma2k19/example_1.npz"'
+                )
+            return self
+        if self.place is None:
+            raise ValueError("needs a table: [place] latitude_deg = 30.5278, longitude_deg = 114.3557")
+        if not self.segment and self.trajectory.matrix is None and self.duration_s is None:
+            raise ValueError(
+                'needs duration_s or motion, for example segment = [{ kind = "rest", duration_s = 600.0 }]'
+            )
+        if self.segment and self.trajectory.matrix is not None:
+            raise ValueError("gives its motion twice, as segment and as trajectory.matrix; keep one")
+        return self

@@ -1,0 +1,153 @@
+"""The simulated vehicle of a scenario: its motion, sensors, receivers and truth."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import ValidationError
+
+from host.sim.errors.drawn import draw_specimen
+from host.sim.errors.inertial_sensor import InertialSensor
+from host.sim.errors.presets import load_preset, with_overrides
+from host.sim.gnss.faults import glitches_of
+from host.sim.gnss.receiver import SimulatedReceiver
+from host.sim.gnss.schedule import Window, window
+from host.sim.scenario.errors import ScenarioError
+from host.sim.scenario.motion_matrix import segment_of_row
+from host.sim.scenario.schema import Scenario, Sway, Vibration
+from host.sim.trajectory.antenna import antenna_states
+from host.sim.trajectory.disturbance import Coning, Disturbance, Sinusoid, acceleration_band, angle_band
+from host.sim.trajectory.kinematics import C_NB, HEIGHT, LATITUDE, LONGITUDE, VELOCITY
+from host.sim.trajectory.motion import Motion
+from host.sim.trajectory.segments import MotionState, Segment
+from host.sim.truth import TruthBatch, euler_angles, unknown_bias
+
+NS = 1_000_000_000
+DEG = math.pi / 180.0
+SWAY_SINUSOIDS = 6
+VIBRATION_SINUSOIDS = 8
+DEFAULT_PRESET = "bmi160"
+Array = NDArray[np.float64]
+
+
+class SimulatedVehicle:
+    """Everything is a function of the scenario and the seed."""
+
+    def __init__(self, scenario: Scenario, seed: int) -> None:
+        self._scenario = scenario
+        self._seed = seed
+        self.motion = _motion(scenario, seed)
+        wanted_s = scenario.duration_s
+        self.duration_ns = self.motion.end_ns if wanted_s is None else round(wanted_s * NS)
+        self.outages: tuple[Window, ...] = tuple(window(o.start_s, o.duration_s) for o in scenario.outage)
+        self.sensors: dict[str, InertialSensor] = {}
+        self.receivers: dict[str, SimulatedReceiver] = {}
+
+    def imu(self, name: str, mounting: Array, lever_arm: Array, preset: str | None = None) -> InertialSensor:
+        """A sensor; `preset` (the board's) counts when the scenario names none."""
+        scenario = self._scenario
+        base = load_preset(scenario.imu.preset or preset or DEFAULT_PRESET)
+        specimen = draw_specimen(with_overrides(base, scenario.imu), self._seed, name)
+        sensor = InertialSensor(self.motion, specimen, self._seed, name, mounting, lever_arm)
+        self.sensors[name] = sensor
+        return sensor
+
+    def gnss(self, name: str, lever_arm: Array) -> SimulatedReceiver:
+        """A receiver with its antenna at `lever_arm`."""
+        scenario = self._scenario
+        place = scenario.place
+        assert place is not None  # the schema asks for it
+        lever = np.asarray(lever_arm, dtype=np.float64)
+
+        def antenna(time_ns: int) -> tuple[float, ...]:
+            return tuple(antenna_states(self.motion, np.array([time_ns]), lever)[0, :6].tolist())
+
+        receiver = SimulatedReceiver(
+            name,
+            scenario.gnss,
+            antenna,
+            scenario.start.gps_time_ns,
+            scenario.start.leap_seconds,
+            place.geoid_separation_m,
+            self._seed,
+            self.outages,
+            glitches_of(scenario.fault, name, self.duration_ns),
+        )
+        self.receivers[name] = receiver
+        return receiver
+
+    def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
+        """Truth at the vehicle's origin; biases of the sensor `imu`, else of the first one."""
+        rows = self.motion.rows(times_ns)
+        name = imu or next(iter(self.sensors), None)
+        bias_g = bias_a = unknown_bias(len(times_ns))
+        if name is not None:
+            slow = self.sensors[name].slow_errors(times_ns)
+            bias_g, bias_a = slow[:, 0:3], slow[:, 3:6]
+        return _batch(times_ns, rows, bias_g, bias_a)
+
+    def antenna_truth(self, times_ns: NDArray[np.int64], lever_arm: Array) -> TruthBatch:
+        """Truth at a point of the body; its attitude is the body's."""
+        states = antenna_states(self.motion, times_ns, np.asarray(lever_arm, dtype=np.float64))
+        return _batch(times_ns, states, unknown_bias(len(times_ns)), unknown_bias(len(times_ns)))
+
+
+def _batch(times_ns: NDArray[np.int64], rows: Array, bias_g: Array, bias_a: Array) -> TruthBatch:
+    yaw, pitch, roll = euler_angles(rows[:, C_NB : C_NB + 9])
+    v_ned = rows[:, VELOCITY : VELOCITY + 3].copy()
+    return TruthBatch(
+        times_ns,
+        rows[:, LATITUDE].copy(),
+        rows[:, LONGITUDE].copy(),
+        rows[:, HEIGHT].copy(),
+        v_ned,
+        yaw,
+        pitch,
+        roll,
+        bias_g,
+        bias_a,
+    )
+
+
+def _motion(scenario: Scenario, seed: int) -> Motion:
+    place, initial = scenario.place, scenario.initial
+    assert place is not None  # the schema asks for it
+    matrix = scenario.trajectory.matrix
+    state = MotionState(
+        initial.speed_mps, initial.yaw_deg * DEG, initial.pitch_deg * DEG, initial.roll_deg * DEG
+    )
+    origin = (place.latitude_deg * DEG, place.longitude_deg * DEG, place.height_m)
+    try:
+        segments: Sequence[Segment] = (
+            scenario.segment if matrix is None else [segment_of_row(row) for row in matrix]
+        )
+        blend = scenario.trajectory.blend_s if matrix is None else 0.0
+        return Motion(segments, state, origin, blend, _disturbance(scenario.sway, scenario.vibration, seed))
+    except ValidationError as error:
+        detail = error.errors()[0]
+        raise ScenarioError(
+            f"{scenario.path or scenario.name}: trajectory.matrix: {detail['loc']}: {detail['msg']}"
+        ) from None
+    except ValueError as error:
+        raise ScenarioError(f"{scenario.path or scenario.name}: {error}") from None
+
+
+def _disturbance(sway: Sway, vibration: Vibration, seed: int) -> Disturbance:
+    sinusoids: list[Sinusoid] = []
+    for target, degrees in (("roll", sway.roll_deg), ("pitch", sway.pitch_deg)):
+        if degrees > 0.0:
+            band = (sway.low_hz, sway.high_hz, SWAY_SINUSOIDS, seed)
+            sinusoids += angle_band(target, degrees * DEG, *band)
+    for axis, rms in (("x", vibration.x_mps2), ("y", vibration.y_mps2), ("z", vibration.z_mps2)):
+        if rms > 0.0:
+            shake = (vibration.low_hz, vibration.high_hz, VIBRATION_SINUSOIDS, seed)
+            sinusoids += acceleration_band(f"velocity_{axis}", rms, *shake)
+    return Disturbance(
+        tuple(sinusoids),
+        Coning(vibration.coning_deg * DEG, vibration.coning_hz),
+        vibration.half_speed_mps,
+        vibration.always,
+    )

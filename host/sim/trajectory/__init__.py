@@ -1,0 +1,1 @@
+"""Motion of the vehicle: segments, road sway and vibration, and their exact kinematics."""

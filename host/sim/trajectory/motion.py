@@ -1,0 +1,117 @@
+"""A vehicle's motion: truth at any instant of virtual time, in flat memory however long the run.
+
+Nodes of the position are computed in chunks of 2³⁵ ns (34.4 s) when they are first asked for; the position
+at each chunk's start is kept (24 bytes), the chunks themselves only while they are in use, and a chunk that
+is asked for again comes out the same.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from host.sim.compiled import entry
+from host.sim.trajectory.disturbance import Disturbance
+from host.sim.trajectory.kinematics import ROW, motion_row
+from host.sim.trajectory.nodes import integrate_nodes, position_at
+from host.sim.trajectory.segments import MotionState, Segment, build_channels
+from host.sim.trajectory.tables import MotionTables, compile_tables
+
+CHUNK_SHIFT = 35
+CALM_NODE_SHIFT = 25
+"""33.6 ms: the path's snap stays under 300 m/s⁴."""
+SHAKING_NODE_SHIFT = 23
+"""8.4 ms, for velocities that vibrate at up to 20 Hz."""
+CALM_LIMIT_HZ = 2.0
+CHUNKS_KEPT = 8
+
+
+class Motion:
+    """Position, velocity, attitude and what perfect sensors feel, as functions of time."""
+
+    def __init__(
+        self,
+        segments: Sequence[Segment],
+        initial: MotionState,
+        origin: tuple[float, float, float],
+        blend_s: float = 0.5,
+        disturbance: Disturbance | None = None,
+    ) -> None:
+        """`origin` = latitude, longitude in rad, height in m at time 0; `blend_s` as in `Segment.rates`."""
+        disturbance = disturbance or Disturbance()
+        channels, self.end_ns = build_channels(segments, initial, blend_s)
+        self.tables: MotionTables = compile_tables(channels, disturbance)
+        calm = disturbance.highest_velocity_frequency_hz <= CALM_LIMIT_HZ
+        self.node_shift = CALM_NODE_SHIFT if calm else SHAKING_NODE_SHIFT
+        self._starts = [np.array(origin, dtype=np.float64)]
+        self._chunks: OrderedDict[int, NDArray[np.float64]] = OrderedDict()
+
+    def rows(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Rows of truth (n, 24) at rising times ≥ 0; columns as in `host.sim.trajectory.kinematics`."""
+        out = np.empty((len(times_ns), ROW))
+        for chunk, part in split_by_chunk(times_ns):
+            fill_rows(
+                self.tables,
+                self.nodes(chunk),
+                chunk << CHUNK_SHIFT,
+                self.node_shift,
+                times_ns[part],
+                out[part],
+            )
+        return out
+
+    def nodes(self, chunk: int) -> NDArray[np.float64]:
+        """Nodes of the chunk that covers [chunk, chunk + 1] · 2³⁵ ns."""
+        nodes = self._chunks.get(chunk)
+        if nodes is not None:
+            self._chunks.move_to_end(chunk)
+            return nodes
+        for index in range(len(self._starts) - 1, chunk):
+            self._starts.append(self._integrate(index)[-1, :3].copy())
+        nodes = self._integrate(chunk)
+        if chunk + 1 == len(self._starts):
+            self._starts.append(nodes[-1, :3].copy())
+        self._chunks[chunk] = nodes
+        if len(self._chunks) > CHUNKS_KEPT:
+            self._chunks.popitem(last=False)
+        return nodes
+
+    def _integrate(self, chunk: int) -> NDArray[np.float64]:
+        nodes = np.empty(((1 << (CHUNK_SHIFT - self.node_shift)) + 1, 6))
+        integrate_nodes(self.tables, chunk << CHUNK_SHIFT, self.node_shift, self._starts[chunk], nodes)
+        return nodes
+
+
+def split_by_chunk(times_ns: NDArray[np.int64]) -> list[tuple[int, slice]]:
+    """Chunk numbers and the slices of rising times that fall into them."""
+    if len(times_ns) == 0:
+        return []
+    first, last = int(times_ns[0]) >> CHUNK_SHIFT, int(times_ns[-1]) >> CHUNK_SHIFT
+    if first < 0:
+        raise ValueError(f"time {times_ns[0]} ns lies before the start of the run; times begin at 0")
+    if first == last:
+        return [(first, slice(0, len(times_ns)))]
+    limits = np.searchsorted(times_ns, [k << CHUNK_SHIFT for k in range(first, last + 2)])
+    pairs = zip(range(first, last + 1), limits[:-1], limits[1:], strict=True)
+    return [(chunk, slice(int(a), int(b))) for chunk, a, b in pairs if b > a]
+
+
+@entry
+def fill_rows(
+    tables: MotionTables,
+    nodes: NDArray[np.float64],
+    start_ns: int,
+    shift: int,
+    times_ns: NDArray[np.int64],
+    out: NDArray[np.float64],
+) -> None:
+    """Rows of truth at times within one chunk."""
+    row = tables.first[:4].copy()
+    waves = np.empty((2, tables.bank.shape[1]))
+    shake = np.empty((6, 3))
+    for i in range(times_ns.shape[0]):
+        position_at(nodes, start_ns, shift, times_ns[i], out[i])
+        motion_row(tables, row, times_ns[i], waves, shake, out[i])

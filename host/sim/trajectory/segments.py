@@ -1,0 +1,114 @@
+"""From motion segments to the pieces of speed, yaw, pitch and roll.
+
+Each segment tells its acceleration and turn rate; they are integrated one after the other, so that speed and
+angles are continuous to rounding whatever the segments do.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from host.sim.trajectory.piece import Piece, constant, smooth_step
+
+NS = 1_000_000_000
+CHANNELS = ("speed", "yaw", "pitch", "roll")
+
+
+@dataclass(frozen=True)
+class SegmentRates:
+    """What one segment does: acceleration in m/s² and turn rate in rad/s (empty: zero), angle targets in rad
+    (None: stays)."""
+
+    acceleration: list[Piece] = field(default_factory=list)
+    turn_rate: list[Piece] = field(default_factory=list)
+    end_speed: float | None = None
+    """Set when the end speed is given and not only the integral of the acceleration, m/s."""
+    end_pitch: float | None = None
+    end_roll: float | None = None
+
+
+class Segment(Protocol):
+    """A stretch of motion; `blend_s` 0 asks for the document's exact profiles, with steps at the joints."""
+
+    @property
+    def duration_s(self) -> float:
+        """Length in time, s."""
+        ...
+
+    def rates(self, speed: float, blend_s: float) -> SegmentRates:
+        """What it does when it starts at `speed` m/s."""
+        ...
+
+
+@dataclass
+class MotionState:
+    """Where a segment starts: m/s and rad."""
+
+    speed: float = 0.0
+    yaw: float = 0.0
+    pitch: float = 0.0
+    roll: float = 0.0
+
+
+@dataclass
+class ChannelPieces:
+    """The pieces of one channel with their start times in ns."""
+
+    starts_ns: list[int] = field(default_factory=list)
+    pieces: list[Piece] = field(default_factory=list)
+
+    def integrate(self, start_ns: int, rates: list[Piece], value: float, duration_s: float) -> float:
+        """Append the integral of `rates` from `value` on and return the value that it ends with."""
+        pieces = [] if rates else [constant(duration_s, value)]
+        for rate in rates:
+            piece = rate.integral(value)
+            value = piece.value(piece.duration_s)
+            pieces.append(piece)
+        self._append(start_ns, pieces)
+        return value
+
+    def lead(self, start_ns: int, target: float | None, value: float, duration_s: float) -> float:
+        """Append the smooth way to `target`, if there is one, and return the value that it ends with."""
+        if target is None:
+            self._append(start_ns, [constant(duration_s, value)])
+            return value
+        self._append(start_ns, [smooth_step(duration_s, value, target)])
+        return target
+
+    def _append(self, start_ns: int, pieces: list[Piece]) -> None:
+        elapsed_s = 0.0
+        for piece in pieces:
+            self.starts_ns.append(start_ns + round(elapsed_s * NS))
+            self.pieces.append(piece)
+            elapsed_s += piece.duration_s
+
+
+def build_channels(
+    segments: Sequence[Segment], initial: MotionState, blend_s: float
+) -> tuple[dict[str, ChannelPieces], int]:
+    """Pieces of all channels and the end of the last segment in ns; the motion then goes on unchanged."""
+    channels = {name: ChannelPieces() for name in CHANNELS}
+    state = initial
+    start_ns = 0
+    for segment in segments:
+        state = _append_segment(channels, segment, state, start_ns, blend_s)
+        start_ns += round(segment.duration_s * NS)
+    for name in CHANNELS:
+        channels[name].lead(start_ns, None, getattr(state, name), 1.0)
+    return channels, start_ns
+
+
+def _append_segment(
+    channels: dict[str, ChannelPieces], segment: Segment, state: MotionState, start_ns: int, blend_s: float
+) -> MotionState:
+    rates = segment.rates(state.speed, blend_s)
+    duration = segment.duration_s
+    speed = channels["speed"].integrate(start_ns, rates.acceleration, state.speed, duration)
+    return MotionState(
+        speed=speed if rates.end_speed is None else rates.end_speed,
+        yaw=channels["yaw"].integrate(start_ns, rates.turn_rate, state.yaw, duration),
+        pitch=channels["pitch"].lead(start_ns, rates.end_pitch, state.pitch, duration),
+        roll=channels["roll"].lead(start_ns, rates.end_roll, state.roll, duration),
+    )

@@ -1,0 +1,97 @@
+"""The world of one run: what the chips feel and what was true, simulated or from a recording."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from boards.chips.world import GnssWorld, ImuWorld
+from host.sim.gnss.schedule import Window
+from host.sim.scenario.schema import Scenario
+from host.sim.simulated import SimulatedVehicle
+from host.sim.truth import TruthBatch
+
+Array = NDArray[np.float64]
+
+
+class Vehicle(Protocol):
+    """What a simulated and a recorded drive have in common."""
+
+    duration_ns: int
+    outages: tuple[Window, ...]
+
+    def imu(self, name: str, mounting: Array, lever_arm: Array, preset: str | None = None) -> ImuWorld:
+        """The world of an inertial sensor."""
+        ...
+
+    def gnss(self, name: str, lever_arm: Array) -> GnssWorld:
+        """The world of a receiver."""
+        ...
+
+    def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
+        """Truth at the origin."""
+        ...
+
+    def antenna_truth(self, times_ns: NDArray[np.int64], lever_arm: Array) -> TruthBatch:
+        """Truth at a point of the body."""
+        ...
+
+
+class World:
+    """Made once a run from (scenario, seed, folder of recordings); the same three give the same world."""
+
+    def __init__(self, scenario: Scenario, seed: int = 1, data_dir: Path | None = None) -> None:
+        """`data_dir` None: the environment variable NAVTWIN_DATA. Raises ScenarioError."""
+        self.scenario = scenario
+        self.seed = seed
+        self._vehicle: Vehicle = _vehicle(scenario, seed, data_dir)
+
+    @property
+    def duration_ns(self) -> int:
+        """Length of the run."""
+        return self._vehicle.duration_ns
+
+    @property
+    def outages(self) -> tuple[Window, ...]:
+        """Windows without satellite signals."""
+        return self._vehicle.outages
+
+    def imu(
+        self,
+        name: str,
+        mounting: Array | None = None,
+        lever_arm: Array | None = None,
+        preset: str | None = None,
+    ) -> ImuWorld:
+        """The world of the inertial sensor `name`.
+
+        `mounting` = C_b_s (3, 3), body = C_b_s sensor (default: aligned); `lever_arm` (3,) from the vehicle's
+        origin in body axes, m; `preset`: the board's error preset, which the scenario may replace.
+        """
+        rotation = np.eye(3) if mounting is None else np.asarray(mounting, dtype=np.float64)
+        lever = np.zeros(3) if lever_arm is None else np.asarray(lever_arm, dtype=np.float64)
+        return self._vehicle.imu(name, rotation, lever, preset)
+
+    def gnss(self, name: str, lever_arm: Array | None = None) -> GnssWorld:
+        """The world of the receiver `name` with its antenna at `lever_arm` (body axes, m)."""
+        lever = np.zeros(3) if lever_arm is None else np.asarray(lever_arm, dtype=np.float64)
+        return self._vehicle.gnss(name, lever)
+
+    def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
+        """Truth at the vehicle's origin at rising times; biases of the sensor `imu` (default: the first made)."""
+        return self._vehicle.truth(np.asarray(times_ns, dtype=np.int64), imu)
+
+    def antenna_truth(self, times_ns: NDArray[np.int64], lever_arm: Array) -> TruthBatch:
+        """Truth at the antenna at rising times; the attitude is the body's."""
+        return self._vehicle.antenna_truth(np.asarray(times_ns, dtype=np.int64), np.asarray(lever_arm))
+
+
+def _vehicle(scenario: Scenario, seed: int, data_dir: Path | None) -> Vehicle:
+    if scenario.kind == "recording":
+        from host.sim.recording.drive import RecordedDrive
+
+        return RecordedDrive(scenario, data_dir)
+    return SimulatedVehicle(scenario, seed)
