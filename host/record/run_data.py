@@ -113,18 +113,16 @@ class TaskTrace:
 
 @dataclass
 class RunData:
-    """Bounded, decimated series of a run, for the report. Columns are named by the series themselves."""
+    """Bounded, decimated series of a run, for the report.
 
-    errors: DecimatedSeries
-    """Solution minus truth: position NED m, velocity NED m/s, roll, pitch, yaw rad, and their σ."""
-    track: DecimatedSeries
-    """East and north of the first true position, m: solution and truth; height; mode."""
+    `solution` and `gnss` have the columns of `host.record.tables` and after them places in the plane
+    (`east_m`, `north_m` from the first true position; `true_east_m`, `true_north_m`, `true_height_m`).
+    """
+
+    solution: DecimatedSeries
     gnss: DecimatedSeries
-    """The receiver's position error NED m, velocity error NED m/s and its place east, north."""
     innovations: DecimatedSeries
     biases: DecimatedSeries
-    bias_truth_known: int = 0
-    """How many of the nine bias columns have a truth."""
-    outages: list[tuple[float, float]] = field(default_factory=list)
+    outages: tuple[tuple[float, float], ...] = ()
     """(start, duration) in s."""
     traces: list[TaskTrace] = field(default_factory=list)

@@ -1,0 +1,120 @@
+"""Blocks of raw wire traffic: many small records in one message. Byte tables stand in docs/capture.md.
+
+All numbers are little endian, records follow one another without padding:
+
+    SPI     start_ns i64 | duration_ns u32 | n u32 | n bytes MOSI | n bytes MISO
+    UART    end_ns i64 | n u32 | n bytes
+    CAN     end_ns i64 | identifier u32, bit 31: 29-bit identifier | n u8 | n bytes
+
+Times are virtual time in ns. A SPI record is one chip-select low period; a UART record is a run of bytes of
+which the last one ended at `end_ns`; a CAN record is a data frame that ended on the bus at `end_ns`.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+SPI_HEAD = struct.Struct("<qII")
+UART_HEAD = struct.Struct("<qI")
+CAN_HEAD = struct.Struct("<qIB")
+FIRST_TIME = struct.Struct("<q")
+
+EXTENDED = 1 << 31
+
+ENCODING = "x-navtwin-block"
+
+SCHEMAS = {
+    "navtwin.SpiBlock": "start_ns i64, duration_ns u32, n u32, mosi u8[n], miso u8[n]; repeated",
+    "navtwin.UartBlock": "end_ns i64, n u32, data u8[n]; repeated",
+    "navtwin.CanBlock": "end_ns i64, identifier u32 (bit 31: extended), n u8, data u8[n]; repeated",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class SpiTransaction:
+    """One chip-select low period of an SPI bus."""
+
+    bus: str
+    start_ns: int
+    end_ns: int
+    mosi: bytes
+    miso: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class UartChunk:
+    """Bytes on one direction of a UART ("rx" into the processor, "tx" out of it)."""
+
+    port: str
+    direction: str
+    end_ns: int
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class CanMessage:
+    """A data frame on a CAN bus."""
+
+    bus: str
+    end_ns: int
+    identifier: int
+    extended: bool
+    data: bytes
+
+
+Traffic = SpiTransaction | UartChunk | CanMessage
+
+
+def unpack(schema: str, topic: str, block: bytes) -> Iterator[Traffic]:
+    """The records of one block, in their order. ValueError when the block ends inside a record."""
+    read = {"navtwin.SpiBlock": _spi, "navtwin.UartBlock": _uart, "navtwin.CanBlock": _can}[schema]
+    place = 0
+    while place < len(block):
+        try:
+            record, end = read(topic, block, place)
+        except struct.error:
+            end = len(block) + 1
+        if end > len(block):
+            raise ValueError(f"{topic}: a block of {len(block)} bytes ends inside the record at byte {place}")
+        yield record
+        place = end
+
+
+def spi_topic(bus: str) -> str:
+    """Topic of an SPI bus."""
+    return f"/spi/{bus}"
+
+
+def uart_topic(port: str, direction: str) -> str:
+    """Topic of one direction of a UART."""
+    return f"/uart/{port}/{direction}"
+
+
+def can_topic(bus: str) -> str:
+    """Topic of a CAN bus."""
+    return f"/can/{bus}"
+
+
+def _spi(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
+    start_ns, duration_ns, n = SPI_HEAD.unpack_from(block, place)
+    mosi = place + SPI_HEAD.size
+    miso, end = mosi + n, mosi + 2 * n
+    bus = topic.split("/")[2]
+    return SpiTransaction(bus, start_ns, start_ns + duration_ns, block[mosi:miso], block[miso:end]), end
+
+
+def _uart(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
+    end_ns, n = UART_HEAD.unpack_from(block, place)
+    data = place + UART_HEAD.size
+    _, _, port, direction = topic.split("/")
+    return UartChunk(port, direction, end_ns, block[data : data + n]), data + n
+
+
+def _can(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
+    end_ns, identifier, n = CAN_HEAD.unpack_from(block, place)
+    data = place + CAN_HEAD.size
+    extended = bool(identifier & EXTENDED)
+    bus = topic.split("/")[2]
+    return CanMessage(bus, end_ns, identifier & ~EXTENDED, extended, block[data : data + n]), data + n

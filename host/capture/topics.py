@@ -1,0 +1,40 @@
+"""Topics with JSON messages, which Foxglove and PlotJuggler open as they are, and their JSON schemas."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+from host.record.tables import BIAS, GNSS, INNOVATION, SOLUTION, Table
+
+TABLES: dict[str, tuple[str, Table]] = {
+    "/solution": ("navtwin.Solution", SOLUTION),
+    "/gnss": ("navtwin.Gnss", GNSS),
+    "/innovation": ("navtwin.Innovation", INNOVATION),
+    "/bias": ("navtwin.Bias", BIAS),
+}
+EVENTS = ("/event", "navtwin.Event")
+
+NUMBER = {"type": ["number", "null"]}
+
+
+def table_schema(name: str, table: Table) -> bytes:
+    """JSON schema of a table's rows: every column a number, or null where there is none."""
+    return _schema(name, dict.fromkeys(table.columns, NUMBER))
+
+
+def event_schema() -> bytes:
+    """JSON schema of an event."""
+    fields = {"t_s": {"type": "number"}, "source": {"type": "string"}, "text": {"type": "string"}}
+    return _schema(EVENTS[1], fields)
+
+
+def _schema(name: str, properties: Mapping[str, object]) -> bytes:
+    document = {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": name,
+        "type": "object",
+        "properties": properties,
+        "required": list(properties),
+    }
+    return json.dumps(document, separators=(",", ":")).encode()

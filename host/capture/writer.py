@@ -1,0 +1,164 @@
+"""Writes a run's capture as it goes: an MCAP file of raw wire traffic in blocks and decoded topics in JSON.
+
+What is recorded is handed to the file every `FLUSH_EVERY_NS` of virtual time as one LZ4 chunk, so a process
+that is killed loses less than a second of virtual time; everything before can be read with
+`host.capture.reader`. (Data are handed to the operating system, not forced onto the disk: a power cut of the
+PC may lose more.) The file is written as `<name>.part` and renamed when the run is over.
+
+The bytes depend on the run alone: times are virtual, nothing in the file comes from a clock or names a
+version of a library. The index at the end of an MCAP file is collected in memory: about 4 MB for each hour.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from mcap.writer import CompressionType, Writer
+from numpy.typing import NDArray
+
+from host.capture.blocks import (
+    CAN_HEAD,
+    ENCODING,
+    EXTENDED,
+    FIRST_TIME,
+    SCHEMAS,
+    SPI_HEAD,
+    UART_HEAD,
+    can_topic,
+    spi_topic,
+    uart_topic,
+)
+from host.capture.topics import EVENTS, TABLES, event_schema, table_schema
+from host.record.row_text import RowText
+
+FLUSH_EVERY_NS = 800_000_000
+UNBOUNDED = 1 << 62
+
+SpiRecorder = Callable[[int, int, bytes | bytearray, bytes], None]
+UartRecorder = Callable[[int, bytes], None]
+CanRecorder = Callable[[int, int, bool, bytes], None]
+
+
+class CaptureWriter:
+    """One capture file. Recorders for the wires are asked for once and then called for each transfer."""
+
+    def __init__(self, path: Path, manifest: Mapping[str, Any]) -> None:
+        self.path = path
+        self.part = path.with_name(path.name + ".part")
+        self._file: BinaryIO = self.part.open("wb")
+        self._writer = Writer(self._file, chunk_size=UNBOUNDED, compression=CompressionType.LZ4)
+        self._writer.start(profile="navtwin", library="navtwin")
+        text = json.dumps(manifest, indent=1, sort_keys=True).encode()
+        self._writer.add_attachment(0, 0, "manifest.json", "application/json", text)
+        self._file.flush()
+        self._schemas: dict[str, int] = {}
+        self._blocks: list[tuple[int, bytearray]] = []
+        self._due_ns = FLUSH_EVERY_NS
+        self._tables = {topic: self._table_channel(topic) for topic in TABLES}
+        self._events = self._channel(EVENTS[0], "json", EVENTS[1], "jsonschema", event_schema())
+
+    # -- raw traffic -------------------------------------------------------------------------------
+
+    def spi_recorder(self, bus: str) -> SpiRecorder:
+        """`record(start_ns, end_ns, mosi, miso)` for one SPI bus: the observer of a bus, made for speed."""
+        block = self._block(spi_topic(bus), "navtwin.SpiBlock")
+        pack, flush_due, due_ns = SPI_HEAD.pack, self._flush_due, self._due_ns
+
+        def record(start_ns: int, end_ns: int, mosi: bytes | bytearray, miso: bytes) -> None:
+            nonlocal block, due_ns
+            block += pack(start_ns, end_ns - start_ns, len(mosi))
+            block += mosi
+            block += miso
+            if end_ns >= due_ns:
+                due_ns = flush_due(end_ns)
+
+        return record
+
+    def uart_recorder(self, port: str, direction: str) -> UartRecorder:
+        """`record(end_ns, data)` for one direction ("rx", "tx") of a UART; `end_ns`: end of the last byte."""
+        block = self._block(uart_topic(port, direction), "navtwin.UartBlock")
+
+        def record(end_ns: int, data: bytes) -> None:
+            nonlocal block
+            block += UART_HEAD.pack(end_ns, len(data))
+            block += data
+            self._flush_due(end_ns)
+
+        return record
+
+    def can_recorder(self, bus: str) -> CanRecorder:
+        """`record(end_ns, identifier, extended, data)` for the frames of one CAN bus."""
+        block = self._block(can_topic(bus), "navtwin.CanBlock")
+
+        def record(end_ns: int, identifier: int, extended: bool, data: bytes) -> None:
+            nonlocal block
+            block += CAN_HEAD.pack(end_ns, identifier | (EXTENDED if extended else 0), len(data))
+            block += data
+            self._flush_due(end_ns)
+
+        return record
+
+    # -- what was decoded --------------------------------------------------------------------------
+
+    def rows(self, topic: str, rows: NDArray[np.float64]) -> None:
+        """Rows of a table of `host.record.tables` ("/solution", "/gnss", …); column 0 is the time in s."""
+        channel, text = self._tables[topic]
+        times_ns = np.rint(np.maximum(rows[:, 0], 0.0) * 1e9).astype(np.int64).tolist()
+        for t_ns, message in zip(times_ns, text.texts(rows), strict=True):
+            self._writer.add_message(channel, t_ns, message, t_ns)
+
+    def event(self, t_ns: int, source: str, text: str) -> None:
+        """Something worth telling."""
+        message = json.dumps({"t_s": t_ns / 1e9, "source": source, "text": text}, separators=(",", ":"))
+        self._writer.add_message(self._events, t_ns, message.encode(), t_ns)
+
+    # -- the file ----------------------------------------------------------------------------------
+
+    def close(self, summary: Mapping[str, str] | None = None) -> None:
+        """End the file with a metadata record `end` and give it its name."""
+        self._writer.add_metadata("end", dict(summary or {}))
+        self.abandon()
+        self.part.replace(self.path)
+
+    def abandon(self) -> None:
+        """Write out what there is and leave it under its provisional name: the run did not reach its end."""
+        self._flush()
+        self._writer.finish()
+        self._file.close()
+
+    def _flush_due(self, now_ns: int) -> int:
+        """Write out everything if it is time, and tell when it will be the next time."""
+        if now_ns >= self._due_ns:
+            self._flush()
+            self._due_ns = now_ns - now_ns % FLUSH_EVERY_NS + FLUSH_EVERY_NS
+        return self._due_ns
+
+    def _flush(self) -> None:
+        for channel, block in self._blocks:
+            if block:
+                (t_ns,) = FIRST_TIME.unpack_from(block)
+                self._writer.add_message(channel, t_ns, bytes(block), t_ns)
+                block.clear()
+        self._writer.flush()
+
+    def _block(self, topic: str, schema: str) -> bytearray:
+        channel = self._channel(topic, ENCODING, schema, ENCODING, SCHEMAS[schema].encode())
+        block = bytearray()
+        self._blocks.append((channel, block))
+        return block
+
+    def _table_channel(self, topic: str) -> tuple[int, RowText]:
+        schema, table = TABLES[topic]
+        channel = self._channel(topic, "json", schema, "jsonschema", table_schema(schema, table))
+        return channel, RowText.json(table.columns, table.decimals)
+
+    def _channel(
+        self, topic: str, encoding: str, schema: str, schema_encoding: str, definition: bytes
+    ) -> int:
+        if schema not in self._schemas:
+            self._schemas[schema] = self._writer.register_schema(schema, schema_encoding, definition)
+        return self._writer.register_channel(topic, encoding, self._schemas[schema])
