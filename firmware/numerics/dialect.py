@@ -126,34 +126,44 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
     finally:
         config.CACHE_DIR = before
     if signature is not None:
-        _compile_declared_signature_only(dispatcher, signature)
+        declare_only(dispatcher, signature.text)
+        _check_first_call(dispatcher, signature)
     return dispatcher
 
 
-def _compile_declared_signature_only(dispatcher: Any, signature: Signature) -> None:
-    """Let the first call, from wherever, compile `signature` and nothing else ever."""
+def declare_only(dispatcher: Any, signature_text: str) -> None:
+    """Let numba's `dispatcher` compile the declared signature when another kernel needs it, and nothing else.
+
+    `dispatcher.compile_declared()` does it at once.
+    """
     from numba.core.compiler_lock import global_compiler_lock
 
-    def compile_once() -> None:
+    def compile_declared() -> None:
         with global_compiler_lock:
             if dispatcher._can_compile:
                 dispatcher._compilation_chain_init_hook()
-                dispatcher.compile(signature.text)
+                dispatcher.compile(signature_text)
                 dispatcher.disable_compile()
 
-    def first_call_from_python(*arguments: Any) -> Any:
+    def call_from_kernel(arguments: Any, keywords: Any) -> Any:
+        compile_declared()
+        return type(dispatcher).get_call_template(dispatcher, arguments, keywords)
+
+    dispatcher.compile_declared = compile_declared
+    dispatcher.get_call_template = call_from_kernel
+
+
+def _check_first_call(dispatcher: Any, signature: Signature) -> None:
+    """Compile at the first call from Python; arrays of that call must be right, numba checks later ones."""
+
+    def first_call(*arguments: Any) -> Any:
         for expected, value in zip(signature.arguments, arguments, strict=True):
             if expected.is_array:
                 expected.convert(value)
-        compile_once()
+        dispatcher.compile_declared()
         return next(iter(dispatcher.overloads.values())).entry_point
 
-    def call_from_kernel(arguments: Any, keywords: Any) -> Any:
-        compile_once()
-        return type(dispatcher).get_call_template(dispatcher, arguments, keywords)
-
-    dispatcher._compile_for_args = first_call_from_python
-    dispatcher.get_call_template = call_from_kernel
+    dispatcher._compile_for_args = first_call
 
 
 @functools.cache

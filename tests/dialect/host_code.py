@@ -1,0 +1,64 @@
+"""What numba made of the kernels for this PC: optimised IR, machine code and the types it found."""
+
+import re
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+import llvmlite.binding as llvm
+from kernel_builds import Built
+from numba.core import types
+from numba.core.errors import NumbaError
+from problems import Problem, double_problems, fused_problems
+from target_build import remove_unreachable
+
+
+def compile_problem(built: Built) -> Problem | None:
+    """Compile a kernel with a signature; what numba says when it cannot."""
+    try:
+        built.made.compile_declared()
+    except NumbaError as error:
+        return Problem(built.name, "does not compile", str(error))
+    return None
+
+
+def problems(built: Built) -> Iterator[Problem]:
+    """Float64 and fused multiply-adds in the code of one compiled kernel and of all it calls."""
+    result = next(iter(built.made.overloads.values()))
+    ir = _reachable_ir(str(result.library._final_module), result.fndesc.mangled_name)
+    yield from double_problems(built.name, "optimised", ir)
+    yield from fused_problems(built.name, ir, result.library.get_asm_str())
+
+
+def problems_of_all(built: Iterable[Built]) -> Iterator[Problem]:
+    """Kernels that nothing compiled, and loops with 64-bit counters; after all others were compiled."""
+    for one in built:
+        if not one.made.overloads:
+            advice = "declare its signature, or remove it: no kernel with a signature calls it"
+            yield Problem(one.name, "no signature", advice)
+        for result in one.made.overloads.values():
+            for name, kind in result.type_annotation.typemap.items():
+                if isinstance(kind, types.RangeType) and kind.dtype.bitwidth > 32:
+                    yield Problem(one.name, "64-bit loop", f"{_line(result, name)}: range(np.int32(...))")
+
+
+def _line(result: Any, variable: str) -> str:
+    annotation = result.type_annotation
+    for block in annotation.blocks.values():
+        for statement in block.find_insts():
+            if variable in {var.name for var in statement.list_vars()}:
+                return f"line {statement.loc.line}"
+    return "line ?"
+
+
+def _reachable_ir(ir: str, entry: str) -> str:
+    """IR of the entry and what it calls, without numba's Python wrappers."""
+    module = llvm.parse_assembly(ir)
+    for function in module.functions:
+        if not function.is_declaration and function.name != entry:
+            function.linkage = "internal"
+    for value in module.global_variables:
+        if re.match(r"\.const\.|_ZN08NumbaEnv", value.name):
+            value.linkage = "internal"
+    machine = llvm.Target.from_default_triple().create_target_machine()
+    remove_unreachable(machine, module)
+    return str(module)

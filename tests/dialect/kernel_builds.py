@@ -1,0 +1,83 @@
+"""All kernels of the product, or of a file of samples, made by a decorator of one's choice.
+
+A sample file is plain Python in which the name `kernel` is given.
+"""
+
+import importlib
+import pkgutil
+import re
+import runpy
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import firmware
+from firmware.numerics.signature import Signature, parse_signature
+from firmware.numerics.variants import KernelVariant
+
+DECORATED = re.compile(r"^@kernel\b", re.MULTILINE)
+
+# Float64 on purpose: stands for `trigonometry` on the PC when float32 is to be judged; never on a target.
+NOT_ON_BOARD = frozenset({"firmware.numerics.reference_trigonometry"})
+
+Decorate = Callable[[Callable[..., Any], Signature | None], Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Built:
+    """One kernel: its full name, the plain function, its signature if declared, what the decorator made."""
+
+    name: str
+    function: Callable[..., Any]
+    signature: Signature | None
+    made: Any
+
+
+def kernel_modules() -> list[str]:
+    """Names of all firmware modules whose source decorates a kernel."""
+    names = []
+    for module in pkgutil.walk_packages(firmware.__path__, "firmware."):
+        specification = importlib.util.find_spec(module.name)
+        assert specification is not None
+        assert specification.origin is not None, f"{module.name} has no source: an __init__.py is missing"
+        if module.name in NOT_ON_BOARD:
+            continue
+        if DECORATED.search(Path(specification.origin).read_text(encoding="utf-8")):
+            names.append(module.name)
+    return names
+
+
+def build_product(variant: str, decorate: Decorate, package: str = "firmware") -> dict[str, Built]:
+    """Every kernel below `package`, and what these call, made by `decorate` in modules of their own."""
+    built: dict[str, Built] = {}
+
+    def make(function: Callable[..., Any], signature: Signature | None) -> Any:
+        made = decorate(function, signature)
+        name = f"firmware{function.__module__[len(modules.root) :]}.{function.__qualname__}"
+        built[name] = Built(name, function, signature, made)
+        return made
+
+    modules = KernelVariant(variant, make)
+    for module in kernel_modules():
+        if module == package or module.startswith(package + "."):
+            modules.load(module)
+    return built
+
+
+def build_samples(path: Path, decorate: Decorate) -> dict[str, Built]:
+    """Every kernel of the sample file made by `decorate`."""
+    built: dict[str, Built] = {}
+
+    def make(function: Callable[..., Any], signature: Signature | None) -> Any:
+        made = decorate(function, signature)
+        built[function.__qualname__] = Built(function.__qualname__, function, signature, made)
+        return made
+
+    def kernel(declaration: Any) -> Any:
+        if not isinstance(declaration, str):
+            return make(declaration, None)
+        return lambda function: make(function, parse_signature(declaration))
+
+    runpy.run_path(str(path), init_globals={"kernel": kernel}, run_name=path.stem)
+    return built

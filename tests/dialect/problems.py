@@ -1,0 +1,37 @@
+"""What compiled code of a kernel must not contain, found in LLVM's and the assembler's text."""
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+FUSED_IR = re.compile(
+    r"@llvm\.(?:fma|fmuladd)\.\w+|\b(?:fadd|fsub|fmul|fdiv) [a-z ]*\b(?:fast|contract|reassoc)\b"
+)
+FUSED_X86 = re.compile(r"\bvfn?m(?:add|sub)\w*")
+FUSED_ARM = re.compile(r"\bvfn?m[as]\.f32\b")
+DOUBLE = re.compile(r"^.*\bdouble\b.*$", re.MULTILINE)
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One breach of the dialect found in compiled code or in results."""
+
+    kernel: str
+    rule: str
+    detail: str
+
+    def __str__(self) -> str:
+        return f"{self.kernel}: {self.rule}: {self.detail}"
+
+
+def double_problems(kernel: str, which: str, ir: str) -> Iterator[Problem]:
+    """The first use of float64 in `ir`."""
+    if found := DOUBLE.search(ir):
+        yield Problem(kernel, "float64", f"in the {which} code: {found[0].strip()}")
+
+
+def fused_problems(kernel: str, ir: str, assembly: str) -> Iterator[Problem]:
+    """The first fused multiply-add, or licence to make one."""
+    for pattern, text in ((FUSED_IR, ir), (FUSED_X86, assembly), (FUSED_ARM, assembly)):
+        if found := pattern.search(text):
+            yield Problem(kernel, "fused multiply-add", found[0])

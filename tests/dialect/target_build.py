@@ -1,0 +1,127 @@
+"""Kernels compiled by numba's own LLVM for a Cortex-M4F, as far as an object file, and what is wrong with it.
+
+Runs in a process of its own with NUMBA_OPT=0: IR that was optimised for x86 carries facts of that machine.
+Arrays become bare pointers. Then the layout and triple are replaced, everything but the entry is made
+internal, and LLVM's own O2 pipeline runs for the target.
+"""
+
+import re
+import struct
+from collections.abc import Iterator
+from typing import Any
+
+import llvmlite.binding as llvm
+import numba
+from kernel_builds import Built
+from problems import Problem, double_problems, fused_problems
+
+from firmware.numerics.dialect import declare_only
+from firmware.numerics.signature import Signature
+
+TRIPLE = "thumbv7em-unknown-none-eabihf"  # without "unknown" LLVM silently calls with soft floats
+PROCESSOR = "cortex-m4"
+FEATURES = "+thumb-mode,+vfp4d16sp,-fp64,-d32,-neon"
+ALLOWED_SYMBOLS = re.compile(r"(__aeabi_)?mem(cpy|set|clr|move)[48]?")
+HARD_FLOAT_CALLS = re.compile(r"\.eabi_attribute\s+28,\s*1\b")
+
+ADVICE = (
+    (r"__aeabi_([dfu]?2?[lu]+l?[2]?[df]|[fd]2u?lz|u?l2[fd])", "float32 and int64 meet in wide_integers"),
+    (
+        r"__aeabi_(u?ldivmod|u?idiv(mod)?|lmul)|__(u|div|mod|udiv|umod).*[ds]i3",
+        "divide by a power of two: shift",
+    ),
+    (r"__aeabi_(d\w+|f2d|\w+2d)", "float64 arithmetic"),
+    (r"fmodf?|powf?|floorf?|sinf?|cosf?|roundf?|truncf?|expf?|logf?", "the C library of the platform"),
+    (r"NRT_\w+|numba_\w+|Py\w+", "needs Python's or numba's run-time library: allocation or an exception"),
+)
+
+
+def make_pointer_kernel(function: Any, signature: Signature | None) -> Any:
+    """Decorator: the dispatcher of `function`, to be compiled with bare pointers for its arrays."""
+    dispatcher: Any = numba.njit(error_model="numpy", boundscheck=False, fastmath=False)(function)
+    if signature is None:
+        return dispatcher
+    declare_only(dispatcher, re.sub(r"(\w+)\[::1\]", r"CPointer(\1)", signature.text))
+    return dispatcher
+
+
+class TargetBuilder:
+    """Holds LLVM's target machine; `problems(built)` compiles one kernel with all it calls."""
+
+    def __init__(self) -> None:
+        llvm.initialize_all_targets()
+        llvm.initialize_all_asmprinters()
+        self._machine = llvm.Target.from_triple(TRIPLE).create_target_machine(
+            cpu=PROCESSOR, features=FEATURES, opt=2, reloc="static"
+        )
+
+    def problems(self, built: Built) -> Iterator[Problem]:
+        """What the target's code of a kernel with a signature breaks."""
+        try:
+            built.made.compile_declared()
+        except numba.core.errors.NumbaError as error:
+            yield Problem(built.name, "does not compile for bare pointers", str(error))
+            return
+        result = next(iter(built.made.overloads.values()))
+        entry = result.fndesc.mangled_name
+        module = self._module_for_target(str(result.library._final_module), entry)
+        yield from double_problems(built.name, "unoptimised", str(module))
+        self._optimise(module, speed=2)
+        yield from double_problems(built.name, "optimised for the target", str(module))
+        assembly = self._machine.emit_assembly(module)
+        yield from fused_problems(built.name, str(module), assembly)
+        if not HARD_FLOAT_CALLS.search(assembly):
+            yield Problem(built.name, "soft-float calls", f"no Tag_ABI_VFP_args in the object for {TRIPLE}")
+        for symbol in undefined_symbols(self._machine.emit_object(module)):
+            if not ALLOWED_SYMBOLS.fullmatch(symbol):
+                yield Problem(built.name, "library call on the target", f"{symbol}: {_advice(symbol)}")
+
+    def _module_for_target(self, ir: str, entry: str) -> Any:
+        ir = re.sub(r"target datalayout = .*", f'target datalayout = "{self._machine.target_data}"', ir)
+        ir = re.sub(r"target triple = .*", f'target triple = "{TRIPLE}"', ir)
+        module = llvm.parse_assembly(ir.replace("@sqrtf(", "@llvm.sqrt.f32("))
+        for function in module.functions:
+            if not function.is_declaration and function.name != entry:
+                function.linkage = "internal"
+        remove_unreachable(self._machine, module)
+        return module
+
+    def _optimise(self, module: Any, speed: int) -> None:
+        options = llvm.create_pipeline_tuning_options(speed_level=speed)
+        options.loop_unrolling = True
+        builder = llvm.create_pass_builder(self._machine, options)
+        builder.getModulePassManager().run(module, builder)
+
+
+def remove_unreachable(machine: Any, module: Any) -> None:
+    """Drop what no entry of `module` reaches."""
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=0))
+    manager = llvm.create_new_module_pass_manager()
+    manager.add_global_dead_code_eliminate_pass()
+    manager.run(module, builder)
+
+
+def undefined_symbols(image: bytes) -> list[str]:
+    """Names that the 32-bit little-endian ELF object expects from elsewhere (System V ABI, chapter 4)."""
+    assert image[:6] == b"\x7fELF\x01\x01", "not a 32-bit little-endian ELF file"
+    section_offset = struct.unpack_from("<I", image, 32)[0]
+    size, count = struct.unpack_from("<HH", image, 46)
+    sections = [struct.unpack_from("<10I", image, section_offset + n * size) for n in range(count)]
+    names = []
+    for _, kind, _, _, offset, length, link, *_ in sections:
+        if kind != 2:  # SHT_SYMTAB
+            continue
+        text = sections[link][4]
+        for at in range(offset + 16, offset + length, 16):
+            name, _, _, _, _, section = struct.unpack_from("<IIIBBH", image, at)
+            if section == 0:  # SHN_UNDEF
+                end = image.index(b"\0", text + name)
+                names.append(image[text + name : end].decode())
+    return names
+
+
+def _advice(symbol: str) -> str:
+    for pattern, text in ADVICE:
+        if re.fullmatch(pattern, symbol):
+            return text
+    return "the target has no such library"
