@@ -1,0 +1,227 @@
+"""One direction of a serial line, on virtual time.
+
+The transmitter queues bytes; the line works them off back to back at the baud rate of the moment when they
+were queued. Receivers are told at once what will come and when, so that a burst costs a few events instead
+of one a byte. Only while a fault is at work that looks at each frame does the line go byte by byte.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from typing import Protocol
+
+from hal.emulated.alarm import Alarm
+from hal.emulated.uart_bytes import SentBytes
+from hal.emulated.uart_receiver import LineReceiver, PeerReceiver, UartPeer
+from hal.emulated.virtual_time import FAR, VirtualTime
+
+
+class LineFault(Protocol):
+    """What disturbs a line (`hal.emulated.faults` has them)."""
+
+    frame_by_frame: bool
+    """Whether `frame` has to see every byte."""
+    breaks_frame: bool
+    """Whether the byte under way when the fault begins is lost."""
+
+    def sent(self, data: bytes) -> bytes:
+        """What the transmitter really queues of `data`."""
+        ...
+
+    def frame(self, value: int) -> int | None:
+        """What becomes of one byte that begins now; None when it is lost."""
+        ...
+
+
+class UartWire:
+    """The line from one transmitter to all who listen."""
+
+    def __init__(self, time: VirtualTime, baud: int, name: str = "uart", capacity: int | None = None) -> None:
+        self.time = time
+        self.name = name
+        self.capacity = capacity
+        """Room for bytes queued and not yet sent; None: any number."""
+        self.baud = _checked(baud, name)
+        self.forced_baud: int | None = None
+        """The rate at which a transmitter with a fault really sends."""
+        self.bytes_sent = 0
+        self._receivers: list[LineReceiver] = []
+        self._followers: list[LineReceiver] = []
+        self._queue: deque[SentBytes] = deque()
+        self._end = 0
+        self._faults: list[LineFault] = []
+        self._stepping = False
+        self._to_step: deque[SentBytes] = deque()
+        self._stepper = Alarm(time, self._step)
+
+    # -- transmitter -------------------------------------------------------------------------------
+
+    def send(self, data: bytes) -> int:
+        """Queue bytes behind what is still being sent; returns how many found room."""
+        room = self.free
+        taken = len(data) if room is None or len(data) <= room else room
+        data = bytes(data[:taken])
+        for fault in self._faults:
+            data = fault.sent(data)
+        if data:
+            self._put_on_line(data)
+        return taken
+
+    def set_baud(self, baud: int) -> None:
+        """Change the rate for the bytes that follow; what is queued goes at the rate it was queued with."""
+        if baud != self.baud:
+            self.baud = _checked(baud, self.name)
+            for receiver in self._followers:
+                receiver.rate_changed()
+
+    @property
+    def queued(self) -> int:
+        """Bytes queued that have not been sent completely."""
+        self._forget_sent()
+        queue = self._queue
+        if not queue:
+            return 0
+        return sum(len(piece.data) for piece in queue) - queue[0].ended_by(self.time.now)
+
+    @property
+    def free(self) -> int | None:
+        """Room for further bytes; None: any number."""
+        return None if self.capacity is None else max(0, self.capacity - self.queued)
+
+    @property
+    def idle_from(self) -> int:
+        """When everything queued will have been sent."""
+        return self._end
+
+    def abort(self) -> None:
+        """The transmitter stops at once; the byte under way is lost with everything behind it."""
+        self._lose_from(self._frame_under_way())
+        self._end = self.time.now
+        self._queue.clear()
+        self._to_step.clear()
+
+    # -- receivers ---------------------------------------------------------------------------------
+
+    def connect(self, peer: UartPeer, rate_of: UartWire | None = None) -> None:
+        """Let `peer` listen from now on.
+
+        `rate_of`: the line that the same chip drives, when both directions of its port share one baud rate;
+        without it the peer understands every rate.
+        """
+        baud = None if rate_of is None else lambda: rate_of.baud
+        receiver = PeerReceiver(self.time, peer, baud)
+        if rate_of is not None:
+            rate_of._followers.append(receiver)
+        self.attach(receiver)
+
+    def attach(self, receiver: LineReceiver) -> None:
+        """Connect a receiver; it hears what is sent from now on."""
+        self._receivers.append(receiver)
+
+    # -- faults ------------------------------------------------------------------------------------
+
+    def begin_fault(self, fault: LineFault) -> None:
+        """From now on `fault` is at work."""
+        self._faults.append(fault)
+        if fault.frame_by_frame and not self._stepping:
+            self._go_step_by_step()
+        if fault.breaks_frame:
+            self._lose_from(self._frame_under_way())
+
+    def end_fault(self, fault: LineFault) -> None:
+        """`fault` has passed. The line goes on byte by byte until it is idle."""
+        self._faults.remove(fault)
+
+    def inject(self, data: bytes) -> int:
+        """Put bytes on the line that no transmitter sent (noise); returns when they end."""
+        noise = SentBytes(data, self.time.now, 0, self.baud)
+        for receiver in self._receivers:
+            receiver.announce(noise)
+        return noise.end
+
+    # ----------------------------------------------------------------------------------------------
+
+    def _put_on_line(self, data: bytes) -> None:
+        now = self.time.now
+        baud = self.forced_baud or self.baud
+        queue = self._queue
+        self._forget_sent()
+        last = queue[-1] if queue else None
+        if last is not None and last.baud == baud:
+            piece = SentBytes(data, last.start, last.first + len(last.data), baud)
+        else:
+            piece = SentBytes(data, max(now, self._end), 0, baud)
+        queue.append(piece)
+        self._end = piece.end
+        self.bytes_sent += len(data)
+        if self._stepping and len(queue) == 1 and not any(fault.frame_by_frame for fault in self._faults):
+            self._stepping = False
+        if self._stepping:
+            self._to_step.append(piece)
+            self._stepper.by(self._to_step[0].begin)
+        else:
+            for receiver in self._receivers:
+                receiver.announce(piece)
+
+    def _forget_sent(self) -> None:
+        queue = self._queue
+        now = self.time.now
+        while queue and queue[0].end <= now:
+            queue.popleft()
+
+    def _frame_under_way(self) -> int:
+        """Beginning of the byte that is on the line now, or now."""
+        self._forget_sent()
+        now = self.time.now
+        if self._queue:
+            piece = self._queue[0]
+            ended = piece.ended_by(now)
+            if piece.begun_before(now) > ended:
+                return piece.begin_of(ended)
+        return now
+
+    def _lose_from(self, begin: int) -> None:
+        for receiver in self._receivers:
+            receiver.forget(begin)
+
+    def _go_step_by_step(self) -> None:
+        """Take back every byte that has not begun; each is announced when it begins."""
+        now = self.time.now
+        self._stepping = True
+        self._forget_sent()
+        for piece in self._queue:
+            rest = piece.split(piece.begun_before(now))[1]
+            if rest.data:
+                self._to_step.append(rest)
+        self._lose_from(now)
+        if self._to_step:
+            self._stepper.by(self._to_step[0].begin)
+
+    def _step(self) -> int:
+        """Send the byte that begins now through the faults."""
+        waiting = self._to_step
+        while waiting and waiting[0].begin <= self.time.now:
+            piece, rest = waiting[0].split(1)
+            if rest.data:
+                waiting[0] = rest
+            else:
+                waiting.popleft()
+            value = self._disturbed(piece.data[0])
+            if value is not None:
+                piece.data = bytes((value,))
+                for receiver in self._receivers:
+                    receiver.announce(piece)
+        return waiting[0].begin if waiting else FAR
+
+    def _disturbed(self, value: int) -> int | None:
+        seen: int | None = value
+        for fault in self._faults:
+            if fault.frame_by_frame and seen is not None:
+                seen = fault.frame(seen)
+        return seen
+
+
+def _checked(baud: int, name: str) -> int:
+    if baud <= 0:
+        raise ValueError(f"baud rate {baud} of {name!r}; it must be positive, e.g. 9600")
+    return baud
