@@ -31,6 +31,13 @@ def nees(errors: NDArray[np.float64], covariances: NDArray[np.float64]) -> NDArr
     return found
 
 
+def departure(mean: float | None) -> float | None:
+    """By which factor a mean NEES is off its expectation 9, whichever way: at least 1."""
+    if mean is None or mean <= 0:
+        return None
+    return max(mean / DIMENSION, DIMENSION / mean)
+
+
 def from_upper_triangle(values: NDArray[np.float64]) -> NDArray[np.float64]:
     """The symmetric 9 × 9 matrix of its 45 upper-triangle elements, row by row."""
     matrix = np.empty((DIMENSION, DIMENSION))

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from host.record.result import Outage
 from host.record.run_data import NAVIGATING, GnssBatch, MotionBatch, SolutionBatch
-from host.score.consistency import nees
+from host.score.consistency import departure, nees
 from host.score.error_group import ErrorGroup
 from host.score.errors import COLUMNS, position_error_ned, quaternions, solution_errors
 from host.score.outages import OutageWatch
@@ -190,6 +190,7 @@ class Scorer:
         metrics["aligned_at_s"] = self._aligned_at_s if math.isfinite(self._aligned_at_s) else None
         metrics["availability"] = self._availability(duration_s)
         metrics["nees_mean"] = self._nees.mean()
+        metrics["nees_factor"] = departure(self._nees.mean())
         metrics["nees_p95"] = self._nees.quantile(0.95)
         metrics["nees_max"] = self._nees.max()
         metrics["nees_epochs"] = float(self._nees.count)

@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 from synthetic_drive import Errors, gnss, motion, solution, times
 
-from host.score.consistency import from_upper_triangle, nees
+from host.score.consistency import departure, from_upper_triangle, nees
 from host.score.rules import ScoringRules
 from host.score.scorer import Scorer
 
@@ -38,6 +38,11 @@ def test_upper_triangle_is_row_by_row():
     P = covariance()
     packed = [P[i, j] for i in range(9) for j in range(i, 9)]
     np.testing.assert_array_equal(from_upper_triangle(np.array(packed)), P)
+
+
+@pytest.mark.parametrize(("mean", "factor"), [(9.0, 1.0), (18.0, 2.0), (4.5, 2.0), (None, None)])
+def test_departure_is_a_factor_either_way(mean, factor):
+    assert departure(mean) == factor
 
 
 @pytest.mark.parametrize(("sign", "honest"), [(1, True), (-1, False)])
