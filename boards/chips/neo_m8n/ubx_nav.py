@@ -1,0 +1,208 @@
+"""UBX navigation messages (fact sheet section 4; layouts beyond NAV-PVT as public definitions have them).
+
+Without a fix the position fields hold the last position (zeros before the first one) with accuracies at
+their largest value, and velocities are zero, as real M8 receivers do. N and E dilution are not in the
+world's epoch: the horizontal one is shared equally.
+"""
+
+from __future__ import annotations
+
+import math
+from struct import Struct
+
+from boards.chips.neo_m8n.solution import UNKNOWN_ACCURACY, Solution
+from boards.chips.neo_m8n.ubx import CLASS_NAV, frame
+
+_POSLLH = Struct("<I4i2I")
+_STATUS = Struct("<I4B2I")
+_DOP = Struct("<I7H")
+_SOL = Struct("<IihBB3iI3iIHBBI")
+_PVT = Struct("<IH5BBIiBBBB4iII3iiiIIHHIihH")
+_VELNED = Struct("<I3iIIiII")
+_TIMEGPS = Struct("<IihbBI")
+_TIMEUTC = Struct("<IIiH5BB")
+_CLOCK = Struct("<IiiII")
+
+NO_FIX_DOP = 9999
+NO_FIX_S_ACC_MMPS = 20_000
+LARGEST_HEADING_ACC = 18_000_000
+_WGS84_A = 6_378_137.0
+_WGS84_E2 = 0.00669437999014
+USNO = 3
+"""UTC standard: the one derived from GPS."""
+
+
+def _integer(value: float, scale: float, bits: int = 32) -> int:
+    """A signed field of `bits` bits."""
+    limit = 1 << (bits - 1)
+    return min(max(round(value * scale), -limit), limit - 1)
+
+
+def _accuracy(value: float, scale: float) -> int:
+    """An unsigned 32-bit accuracy."""
+    return min(max(round(value * scale), 0), UNKNOWN_ACCURACY)
+
+
+def _dop(value: float) -> int:
+    return min(round(value * 100.0), NO_FIX_DOP)
+
+
+def _position(solution: Solution) -> tuple[int, int, int, int, int, int]:
+    """Longitude, latitude 1e-7°, height, mean sea level mm, accuracies mm."""
+    fix = solution.fix
+    return (
+        _integer(solution.longitude_deg, 1e7),
+        _integer(solution.latitude_deg, 1e7),
+        _integer(solution.height, 1e3),
+        _integer(solution.height - solution.separation, 1e3),
+        _accuracy(solution.epoch.h_acc, 1e3) if fix else UNKNOWN_ACCURACY,
+        _accuracy(solution.epoch.v_acc, 1e3) if fix else UNKNOWN_ACCURACY,
+    )
+
+
+def _heading_accuracy(solution: Solution) -> int:
+    """1 σ of the course, 1e-5°: speed accuracy over speed."""
+    if not solution.fix or solution.speed <= 0.0:
+        return LARGEST_HEADING_ACC
+    return min(_accuracy(math.degrees(solution.epoch.s_acc / solution.speed), 1e5), LARGEST_HEADING_ACC)
+
+
+def _heading(solution: Solution) -> int:
+    return round(solution.course_deg * 1e5) % 36_000_000
+
+
+def _velocity(solution: Solution, scale: float) -> tuple[int, int, int]:
+    if not solution.fix:
+        return 0, 0, 0
+    north, east, down = solution.epoch.velocity_ned
+    return _integer(north, scale), _integer(east, scale), _integer(down, scale)
+
+
+def _fix_flags(solution: Solution) -> int:
+    """gpsFixOk, week set, time of week set."""
+    return (1 if solution.fix else 0) | (0x0C if solution.time_known else 0)
+
+
+def nav_posllh(solution: Solution) -> bytes:
+    """01 02: geodetic position."""
+    return frame(CLASS_NAV, 0x02, _POSLLH.pack(solution.tow_ms, *_position(solution)))
+
+
+def nav_status(solution: Solution) -> bytes:
+    """01 03: fix status, time to first fix."""
+    payload = _STATUS.pack(
+        *(solution.tow_ms, solution.fix, _fix_flags(solution), 0, 0),
+        *(solution.time_to_first_fix_ms & 0xFFFFFFFF, solution.running_ms & 0xFFFFFFFF),
+    )
+    return frame(CLASS_NAV, 0x03, payload)
+
+
+def nav_dop(solution: Solution) -> bytes:
+    """01 04: dilutions of precision."""
+    if not solution.fix:
+        return frame(CLASS_NAV, 0x04, _DOP.pack(solution.tow_ms, *(NO_FIX_DOP,) * 7))
+    epoch = solution.epoch
+    level = _dop(epoch.hdop * 0.5**0.5)
+    geometric = _dop(math.hypot(epoch.pdop, epoch.tdop))
+    dops = (geometric, _dop(epoch.pdop), _dop(epoch.tdop), _dop(epoch.vdop), _dop(epoch.hdop), level, level)
+    return frame(CLASS_NAV, 0x04, _DOP.pack(solution.tow_ms, *dops))
+
+
+def nav_sol(solution: Solution) -> bytes:
+    """01 06: earth-centred position and velocity in cm and cm/s."""
+    fix, epoch = solution.fix, solution.epoch
+    place, velocity = _earth_centred(solution)
+    payload = _SOL.pack(
+        *(solution.tow_ms, _remainder_ns(solution), _integer(solution.week, 1.0, 16)),
+        *(fix, _fix_flags(solution)),
+        *(_integer(metres, 1e2) for metres in place),
+        _accuracy(math.hypot(epoch.h_acc, epoch.v_acc), 1e2) if fix else UNKNOWN_ACCURACY,
+        *(_integer(speed, 1e2) for speed in velocity),
+        _accuracy(epoch.s_acc, 1e2) if fix else NO_FIX_S_ACC_MMPS // 10,
+        *(_dop(epoch.pdop) if fix else NO_FIX_DOP, 0, min(solution.used, 255), 0),
+    )
+    return frame(CLASS_NAV, 0x06, payload)
+
+
+def nav_pvt(solution: Solution) -> bytes:
+    """01 07: everything of an epoch in one message."""
+    utc, fix, epoch = solution.utc, solution.fix, solution.epoch
+    valid = (0x07 if solution.leap_known else 0x03) if solution.time_known else 0
+    payload = _PVT.pack(
+        *(solution.tow_ms, utc.year, utc.month, utc.day, utc.hour, utc.minute, utc.second, valid),
+        *(solution.time_accuracy_ns, utc.nano, fix, 1 if fix else 0, 0, min(solution.used, 255)),
+        *_position(solution),
+        *_velocity(solution, 1e3),
+        _integer(solution.speed, 1e3),
+        _heading(solution),
+        _accuracy(epoch.s_acc, 1e3) if fix else NO_FIX_S_ACC_MMPS,
+        _heading_accuracy(solution),
+        *(_dop(epoch.pdop) if fix else NO_FIX_DOP, 0, 0, 0, 0, 0),
+    )
+    return frame(CLASS_NAV, 0x07, payload)
+
+
+def nav_velned(solution: Solution) -> bytes:
+    """01 12: velocity in cm/s."""
+    fix = solution.fix
+    payload = _VELNED.pack(
+        solution.tow_ms,
+        *_velocity(solution, 1e2),
+        _accuracy(math.hypot(*solution.epoch.velocity_ned), 1e2) if fix else 0,
+        _accuracy(solution.speed, 1e2),
+        _heading(solution),
+        _accuracy(solution.epoch.s_acc, 1e2) if fix else NO_FIX_S_ACC_MMPS // 10,
+        _heading_accuracy(solution),
+    )
+    return frame(CLASS_NAV, 0x12, payload)
+
+
+def nav_timegps(solution: Solution) -> bytes:
+    """01 20: GPS time."""
+    valid = (0x07 if solution.leap_known else 0x03) if solution.time_known else 0
+    payload = _TIMEGPS.pack(
+        *(solution.tow_ms, _remainder_ns(solution), _integer(solution.week, 1.0, 16), solution.leap_seconds),
+        *(valid, solution.time_accuracy_ns),
+    )
+    return frame(CLASS_NAV, 0x20, payload)
+
+
+def nav_timeutc(solution: Solution) -> bytes:
+    """01 21: UTC."""
+    utc = solution.utc
+    valid = ((0x07 | USNO << 4) if solution.leap_known else 0x03) if solution.time_known else 0
+    payload = _TIMEUTC.pack(
+        *(solution.tow_ms, solution.time_accuracy_ns, utc.nano),
+        *(utc.year, utc.month, utc.day, utc.hour, utc.minute, utc.second, valid),
+    )
+    return frame(CLASS_NAV, 0x21, payload)
+
+
+def nav_clock(solution: Solution) -> bytes:
+    """01 22: receiver clock."""
+    payload = _CLOCK.pack(
+        *(solution.tow_ms, solution.clock_bias_ns, round(solution.clock_drift)),
+        *(solution.time_accuracy_ns, 1000 if solution.fix else UNKNOWN_ACCURACY),
+    )
+    return frame(CLASS_NAV, 0x22, payload)
+
+
+def _remainder_ns(solution: Solution) -> int:
+    """What the time of week in ms misses, −500 000 … 500 000 ns."""
+    return (solution.gps_time_ns + 500_000) % 1_000_000 - 500_000
+
+
+def _earth_centred(solution: Solution) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+    """Position m and velocity m/s in the earth-centred frame; zeros before the first position."""
+    if not solution.position_known:
+        return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
+    lat, lon = math.radians(solution.latitude_deg), math.radians(solution.longitude_deg)
+    s_lat, c_lat, s_lon, c_lon = math.sin(lat), math.cos(lat), math.sin(lon), math.cos(lon)
+    normal = _WGS84_A / math.sqrt(1.0 - _WGS84_E2 * s_lat * s_lat)
+    radius = (normal + solution.height) * c_lat
+    place = (radius * c_lon, radius * s_lon, (normal * (1.0 - _WGS84_E2) + solution.height) * s_lat)
+    if not solution.fix:
+        return place, (0.0, 0.0, 0.0)
+    north, east, down = solution.epoch.velocity_ned
+    level = -north * s_lat - down * c_lat
+    return place, (level * c_lon - east * s_lon, level * s_lon + east * c_lon, north * c_lat - down * s_lat)
