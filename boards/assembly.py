@@ -1,29 +1,34 @@
 """Puts a board together from its description: processors, buses, chips and wires on one virtual time.
 
-What the board is wired to outside (the world its sensors feel, the host at the other end of a UART) is
-given by the caller through `Surroundings`.
+What lies outside the board (the world its sensors feel, where its log goes) comes through `Surroundings`.
 """
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any, Protocol
 
 from boards.chips.world import GnssWorld, ImuWorld
-from boards.description import Board, Chip
+from boards.description import Board, Chip, Processor
 from boards.machine import Machine
-from hal.board_io import BoardIo
+from boards.validation import DescriptionError
+from hal.board_io import BoardIo, Program
 from hal.emulated.can import EmulatedCanBus, EmulatedCanController
 from hal.emulated.cpu import EmulatedCpu
+from hal.emulated.i2c import EmulatedI2cBus
 from hal.emulated.interrupt_line import LineSpec
 from hal.emulated.pins import EmulatedInputPin, EmulatedOutputPin, Net
-from hal.emulated.spi import EmulatedSpiBus
+from hal.emulated.spi import EmulatedSpiBus, EmulatedSpiDevice, SpiTiming
 from hal.emulated.storage import EmulatedLogFile
 from hal.emulated.timers import EmulatedCaptureTimer, EmulatedPeriodicTimer
 from hal.emulated.uart import EmulatedUart, UartWire
+from hal.emulated.virtual_time import VirtualTime
 from hal.emulated.watchdog import EmulatedWatchdog
+
+TX_QUEUE_BYTES = 4096
 
 
 class Surroundings(Protocol):
@@ -40,3 +45,193 @@ class Surroundings(Protocol):
     def log_sink(self, name: str) -> Callable[[bytes], None]:
         """Where the blocks of the log file `name` go."""
         ...
+
+
+@dataclass
+class AssembledBoard:
+    """A board ready to run, with everything on it by its name in the description."""
+
+    description: Board
+    machine: Machine
+    cpus: dict[str, EmulatedCpu] = field(default_factory=dict)
+    programs: dict[str, Program] = field(default_factory=dict)
+    spi_buses: dict[str, EmulatedSpiBus] = field(default_factory=dict)
+    spi_devices: dict[str, EmulatedSpiDevice] = field(default_factory=dict)
+    i2c_buses: dict[str, EmulatedI2cBus] = field(default_factory=dict)
+    to_board: dict[str, UartWire] = field(default_factory=dict)
+    """For each UART the wire into the processor."""
+    from_board: dict[str, UartWire] = field(default_factory=dict)
+    can_buses: dict[str, EmulatedCanBus] = field(default_factory=dict)
+    chips: dict[str, Any] = field(default_factory=dict)
+    """Chip models by reference designator."""
+    nets: dict[str, Net] = field(default_factory=dict)
+    _ports: dict[str, EmulatedUart] = field(default_factory=dict)
+    _can_ports: dict[str, EmulatedCanController] = field(default_factory=dict)
+
+    @property
+    def time(self) -> VirtualTime:
+        """The virtual time that everything on the board shares."""
+        return self.machine.time
+
+    def net(self, name: str) -> Net:
+        """The net `name`, made at first use."""
+        if name not in self.nets:
+            self.nets[name] = Net(self.time, name)
+        return self.nets[name]
+
+
+def assemble(description: Board, profile: Mapping[str, Any], surroundings: Surroundings) -> AssembledBoard:
+    """Build the board. Raises DescriptionError when a program or chip cannot be had or refuses its settings."""
+    board = AssembledBoard(description, Machine(VirtualTime()))
+    for name, processor in description.processors.items():
+        board.cpus[name] = _cpu(board, name, processor)
+    _wires(board)
+    for refdes, chip in description.chips.items():
+        _place_chip(board, refdes, chip, surroundings)
+    installation = _installation(description)
+    for name, processor in description.processors.items():
+        io = _board_io(board, name, surroundings)
+        board.programs[name] = _program(processor, io, profile, installation, name)
+        board.machine.add(board.cpus[name], board.programs[name].main)
+    return board
+
+
+def _cpu(board: AssembledBoard, name: str, processor: Processor) -> EmulatedCpu:
+    lines = [
+        LineSpec(
+            task_name,
+            task.priority,
+            None if task.deadline_us is None else round(task.deadline_us * 1000),
+            task.stack_bytes,
+        )
+        for task_name, task in processor.tasks.items()
+    ]
+    error_ppb = round(processor.crystal_error_ppm * 1000)
+    return EmulatedCpu(board.time, name, processor.clock_hz, lines, processor.costs, error_ppb)
+
+
+def _wires(board: AssembledBoard) -> None:
+    """Buses, UARTs and CAN with their controllers."""
+    description = board.description
+    for name, bus in description.buses.items():
+        cpu = board.cpus[bus.processor]
+        if bus.kind == "spi":
+            board.spi_buses[name] = EmulatedSpiBus(cpu, SpiTiming(bus.clock_hz), name)
+        else:
+            board.i2c_buses[name] = EmulatedI2cBus(cpu, bus.clock_hz, name)
+    for name, port in description.uarts.items():
+        outward = UartWire(board.time, port.baud, f"{name}.tx", TX_QUEUE_BYTES)
+        inward = UartWire(board.time, port.baud, f"{name}.rx")
+        board.from_board[name], board.to_board[name] = outward, inward
+        board._ports[name] = EmulatedUart(board.cpus[port.processor], outward, inward, name)
+    for name, can in description.can.items():
+        board.can_buses[name] = EmulatedCanBus(board.time, can.bitrate, name)
+        board._can_ports[name] = EmulatedCanController(board.cpus[can.processor], board.can_buses[name])
+
+
+def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Surroundings) -> None:
+    model = _named(chip.model, f"chip {refdes}")
+    world = surroundings.imu(refdes, chip) if chip.world == "imu" else surroundings.gnss(refdes, chip)
+    arguments: list[Any] = [board.time, world]
+    if chip.uart is not None:
+        arguments.append(board.to_board[chip.uart])
+    try:
+        inspect.signature(model).bind(*arguments, **chip.parameters)
+        placed = model(*arguments, **chip.parameters)
+    except (TypeError, ValueError) as error:
+        raise DescriptionError(
+            f"chips.{refdes}.parameters = {chip.parameters!r} do not suit {chip.model}: {error}"
+        ) from None
+    board.chips[refdes] = placed
+    for pin, net in chip.pins.items():
+        placed.pins[pin] = board.net(net)
+    if chip.bus is not None:
+        _connect_to_bus(board, refdes, chip, placed)
+    else:
+        assert chip.uart is not None
+        wire = board.from_board[chip.uart]
+        wire.connect(placed, rate_of=board.to_board[chip.uart])
+    if chip.supply is not None:
+        placed.power(False)
+        board.net(chip.supply).listen(lambda level, _time_ns: placed.power(level))
+
+
+def _connect_to_bus(board: AssembledBoard, refdes: str, chip: Chip, placed: Any) -> None:
+    assert chip.bus is not None
+    name = chip.name or refdes
+    if chip.bus in board.spi_buses:
+        board.spi_devices[name] = board.spi_buses[chip.bus].device(placed, name)
+    else:
+        raise DescriptionError(f"chips.{refdes}: {chip.part} on the I²C bus {chip.bus!r} is not supported; use SPI")
+
+
+def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings) -> BoardIo:
+    """What is wired to one processor, by the firmware's names."""
+    description = board.description
+    cpu = board.cpus[processor]
+
+    def mine(table: Mapping[str, Any]) -> list[str]:
+        return [name for name, part in table.items() if part.processor == processor]
+
+    own_buses = mine(description.buses)
+    spi = {
+        chip.name or refdes: board.spi_devices[chip.name or refdes]
+        for refdes, chip in description.chips.items()
+        if chip.bus in own_buses and chip.bus in board.spi_buses
+    }
+    pins = {name: pin for name, pin in description.pins.items() if pin.processor == processor and pin.wired}
+    return BoardIo(
+        cpu=cpu,
+        clock=cpu,
+        interrupts=cpu,
+        watchdog=EmulatedWatchdog(cpu),
+        spi=spi,
+        i2c={name: board.i2c_buses[name] for name in own_buses if name in board.i2c_buses},
+        uart={name: board._ports[name] for name in mine(description.uarts)},
+        can={name: board._can_ports[name] for name in mine(description.can)},
+        outputs={
+            name: EmulatedOutputPin(cpu, board.net(pin.net)) for name, pin in pins.items() if pin.use == "output"
+        },
+        inputs={
+            name: EmulatedInputPin(cpu, board.net(pin.net)) for name, pin in pins.items() if pin.use == "input"
+        },
+        captures={
+            name: EmulatedCaptureTimer(cpu, board.net(pin.net))
+            for name, pin in pins.items()
+            if pin.use == "capture"
+        },
+        timers={name: EmulatedPeriodicTimer(cpu) for name in mine(description.timers)},
+        logs={name: EmulatedLogFile(cpu, surroundings.log_sink(name)) for name in mine(description.logs)},
+    )
+
+
+def _installation(description: Board) -> dict[str, Any]:
+    """Mounting and lever arm of each device, by the firmware's name for it."""
+    return {
+        chip.name or chip.uart or refdes: {"C_b_s": chip.mounting, "lever_arm_m": chip.lever_arm_m}
+        for refdes, chip in description.chips.items()
+    }
+
+
+def _program(
+    processor: Processor,
+    io: BoardIo,
+    profile: Mapping[str, Any],
+    installation: Mapping[str, Any],
+    name: str,
+) -> Program:
+    factory = _named(processor.program, f"processor {name}")
+    try:
+        program: Program = factory(io, profile, installation)
+    except ValueError as error:
+        raise DescriptionError(f"profile for processor {name}: {error}") from None
+    return program
+
+
+def _named(target: str, where: str) -> Any:
+    """The object behind "module:name"."""
+    module_name, _, attribute = target.partition(":")
+    try:
+        return getattr(import_module(module_name), attribute)
+    except (ImportError, AttributeError) as error:
+        raise DescriptionError(f"{where} names {target!r}, which cannot be loaded: {error}") from None

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Protocol
 
 from hal.can import CanController
 from hal.clock import Clock
@@ -33,3 +34,19 @@ class BoardIo:
     captures: Mapping[str, CaptureTimer] = field(default_factory=dict)
     timers: Mapping[str, PeriodicTimer] = field(default_factory=dict)
     logs: Mapping[str, LogFile] = field(default_factory=dict)
+
+
+class Program(Protocol):
+    """What `program(io, profile, installation)` of a board's firmware returns: the image in flash.
+
+    `profile` is the chosen table of the board's profiles, `installation` what calibration would have put
+    into its flash: for each device by firmware name its mounting `C_b_s` and `lever_arm_m`.
+    """
+
+    def main(self) -> None:
+        """From the reset vector; called again after a reset. Need not return."""
+        ...
+
+    def memory(self) -> bytes:
+        """The navigation state as it lies in memory, for comparing runs."""
+        ...
