@@ -125,10 +125,26 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
         dispatcher: Any = numba.njit(cache=folder is not None, **options)(function)
     finally:
         config.CACHE_DIR = before
-    if signature is not None:
+    if signature is None:
+        compile_once_for_all_literals(dispatcher)
+    else:
         declare_only(dispatcher, signature.text)
         _check_first_call(dispatcher, signature)
     return dispatcher
+
+
+def compile_once_for_all_literals(dispatcher: Any) -> None:
+    """Let calls of a kernel without signature differ by types only.
+
+    Numba would compile it anew for each integer literal passed to it, 23 times for a parser's `decimal`.
+    """
+    from numba.core import types
+
+    def call_from_kernel(arguments: Any, keywords: Any) -> Any:
+        plain = tuple(types.unliteral(argument) for argument in arguments)
+        return type(dispatcher).get_call_template(dispatcher, plain, keywords)
+
+    dispatcher.get_call_template = call_from_kernel
 
 
 def declare_only(dispatcher: Any, signature_text: str) -> None:

@@ -15,7 +15,7 @@ import numba
 from kernel_builds import Built
 from problems import Problem, double_problems, fused_problems
 
-from firmware.numerics.dialect import declare_only
+from firmware.numerics.dialect import compile_once_for_all_literals, declare_only
 from firmware.numerics.signature import Signature
 
 TRIPLE = "thumbv7em-unknown-none-eabihf"  # without "unknown" LLVM silently calls with soft floats
@@ -40,8 +40,9 @@ def make_pointer_kernel(function: Any, signature: Signature | None) -> Any:
     """Decorator: the dispatcher of `function`, to be compiled with bare pointers for its arrays."""
     dispatcher: Any = numba.njit(error_model="numpy", boundscheck=False, fastmath=False)(function)
     if signature is None:
-        return dispatcher
-    declare_only(dispatcher, re.sub(r"(\w+)\[::1\]", r"CPointer(\1)", signature.text))
+        compile_once_for_all_literals(dispatcher)
+    else:
+        declare_only(dispatcher, re.sub(r"(\w+)\[::1\]", r"CPointer(\1)", signature.text))
     return dispatcher
 
 
