@@ -6,6 +6,7 @@ float32 solution can resolve.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -120,15 +121,18 @@ def gnss_rows(epochs: GnssBatch, errors: Floats) -> Floats:
     return rows
 
 
-def innovation_row(innovation: Innovation) -> Floats:
-    """One row of INNOVATION, shape (1, 14)."""
-    return np.array([[innovation.t, *innovation.values, *innovation.sigmas, innovation.used]])
+def innovation_rows(innovations: Sequence[Innovation]) -> Floats:
+    """Rows of INNOVATION."""
+    return np.array([(one.t, *one.values, *one.sigmas, one.used) for one in innovations], dtype=np.float64)
 
 
-def bias_row(bias: BiasEstimate) -> Floats:
-    """One row of BIAS, shape (1, 28); NaN where no truth is known."""
-    truth = np.full(len(SLOW_STATES), np.nan)
-    known = bias.truth or ()
-    truth[: len(known)] = known
-    states = (np.array(bias.values) * _TO_PRINT, np.array(bias.sigmas) * _TO_PRINT, truth * _TO_PRINT)
-    return np.concatenate(([bias.t], *states))[None, :]
+def bias_rows(biases: Sequence[BiasEstimate]) -> Floats:
+    """Rows of BIAS; NaN where no truth is known."""
+    unknown = (np.nan,) * len(SLOW_STATES)
+    padded = [((one.truth or ()) + unknown)[: len(SLOW_STATES)] for one in biases]
+    rows = np.array(
+        [(one.t, *one.values, *one.sigmas, *truth) for one, truth in zip(biases, padded, strict=True)],
+        dtype=np.float64,
+    )
+    rows[:, 1:] *= np.tile(_TO_PRINT, 3)
+    return rows

@@ -1,0 +1,219 @@
+"""Everything that a run leaves behind, behind one door: scores, capture, solution.csv, series, report.
+
+    with Recorder(manifest, request.out_dir, outages=…) as recorder:
+        …                       # board runs; recorder.add_… in batches of some seconds of virtual time
+        return recorder.finish(…)
+
+Leaving the `with` block without `finish` marks what was written as a run that did not reach its end.
+Batches should span about ten virtual seconds: each costs some hundred microseconds however long it is.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from host.capture.writer import CaptureWriter
+from host.record.atomic import write_whole
+from host.record.collector import Collector
+from host.record.result import BusUse, CpuUse, Event, FaultUse, RunResult
+from host.record.row_text import RowText
+from host.record.run_data import BiasEstimate, GnssBatch, Innovation, MotionBatch, SolutionBatch, TaskTrace
+from host.record.run_folder import RunFolder
+from host.record.tables import (
+    SOLUTION,
+    bias_rows,
+    gnss_rows,
+    innovation_rows,
+    solution_rows,
+)
+from host.score.expectations import Limit, flat_figures, judge
+from host.score.rules import ScoringRules
+from host.score.scorer import Scorer
+
+Floats = NDArray[np.float64]
+
+SHOWN_PER_SECOND = 10
+"""At most so many solutions a second go into the capture's topic; the raw link traffic holds them all."""
+
+EVENTS_KEPT = 1000
+
+
+class Recorder:
+    """Records one run. With `out_dir` None it only scores and gathers series. Times are virtual."""
+
+    def __init__(
+        self,
+        manifest: Mapping[str, Any],
+        out_dir: Path | None,
+        *,
+        capture: bool = True,
+        outages: Sequence[tuple[float, float]] = (),
+        rules: ScoringRules | None = None,
+        fit_recording: bool = False,
+    ) -> None:
+        self._manifest = dict(manifest)
+        self._scorer = Scorer(rules, outages, fit_recording=fit_recording)
+        self._collector = Collector(tuple(outages))
+        self._events: list[Event] = []
+        self._events_left_out = 0
+        self._innovations: list[Innovation] = []
+        self._biases: list[BiasEstimate] = []
+        self._finished = False
+        self._last_tenth = -1.0
+        self._folder = RunFolder(out_dir, manifest) if out_dir is not None else None
+        self.capture: CaptureWriter | None = None
+        if self._folder is not None:
+            self._csv = self._folder.file("solution.csv.part").open("wb")
+            self._csv.write(",".join(SOLUTION.columns).encode() + b"\n")
+            self._csv_text = RowText.csv(SOLUTION.decimals)
+            if capture:
+                self.capture = CaptureWriter(self._folder.file("run.mcap"), manifest)
+
+    # -- what comes in -----------------------------------------------------------------------------
+
+    def add_solution(self, solution: SolutionBatch, truth: MotionBatch) -> None:
+        """Solutions of the board with the truth at the same instants."""
+        rows = solution_rows(solution, self._scorer.add_solution(solution, truth))
+        self._collector.add_solution(rows, solution, truth)
+        if self._folder is not None:
+            self._csv.write(self._csv_text.text(rows))
+        if self.capture is not None:
+            self.capture.rows("/solution", self._thinned(rows))
+        self._pass_on_slow_rows()
+
+    def add_gnss(self, epochs: GnssBatch, truth: MotionBatch) -> None:
+        """Receiver epochs as the board understood them, with the truth at the antenna."""
+        rows = gnss_rows(epochs, self._scorer.add_gnss(epochs, truth))
+        self._collector.add_gnss(rows, epochs, truth)
+        if self.capture is not None:
+            self.capture.rows("/gnss", rows)
+
+    def add_covariance(self, t: float, covariance: Floats) -> None:
+        """The filter's 9 × 9 covariance of [δr NED m, δv NED m/s, φ n rad] at `t`."""
+        self._scorer.add_covariance(t, covariance)
+
+    def add_innovation(self, innovation: Innovation) -> None:
+        """Innovations of one GNSS update."""
+        self._innovations.append(innovation)
+
+    def add_bias(self, bias: BiasEstimate) -> None:
+        """Slow filter states."""
+        self._biases.append(bias)
+
+    def add_event(self, t_ns: int, source: str, text: str) -> None:
+        """Something worth telling."""
+        if len(self._events) < EVENTS_KEPT:
+            self._events.append(Event(t_ns / 1e9, source, text))
+        else:
+            self._events_left_out += 1
+        if self.capture is not None:
+            self.capture.event(t_ns, source, text)
+
+    def add_trace(self, trace: TaskTrace) -> None:
+        """A recorded window of one processor's tasks."""
+        self._collector.add_trace(trace)
+
+    # -- the end -----------------------------------------------------------------------------------
+
+    def finish(
+        self,
+        *,
+        duration_s: float,
+        wall_s: float,
+        state_hash: str,
+        cpu: Sequence[CpuUse] = (),
+        buses: Sequence[BusUse] = (),
+        faults: Sequence[FaultUse] = (),
+        expect: Mapping[str, Limit] | None = None,
+    ) -> RunResult:
+        """Score the run, write what is left to write, and tell the result."""
+        self._pass_on_slow_rows()
+        score = self._scorer.result(duration_s)
+        figures = flat_figures(score.metrics, score.gnss, cpu, buses, faults)
+        result = RunResult(
+            board=self._manifest["board"],
+            scenario=self._manifest["scenario"],
+            profile=self._manifest["profile"],
+            seed=self._manifest["seed"],
+            duration_s=duration_s,
+            wall_s=wall_s,
+            state_hash=state_hash,
+            metrics=score.metrics,
+            gnss=score.gnss,
+            outages=score.outages,
+            cpu=tuple(cpu),
+            buses=tuple(buses),
+            faults=tuple(faults),
+            expectations=judge(expect or {}, figures),
+            events=self._all_events(duration_s),
+            recording=score.recording,
+            out_dir=self._folder.path if self._folder is not None else None,
+            data=self._collector.data,
+        )
+        if self._folder is not None:
+            self._write(self._folder, result)
+        self._finished = True
+        return result
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, _traceback: TracebackType | None
+    ) -> None:
+        if self._finished or self._folder is None:
+            return
+        if kind is not None and issubclass(kind, KeyboardInterrupt):
+            status = "interrupted by the user"
+        else:
+            status = f"failed: {error}" if error is not None else "failed: the run was not finished"
+        if self.capture is not None:
+            self.capture.abandon()
+        self._csv.close()
+        self._folder.set_status(status)
+
+    def _write(self, folder: RunFolder, result: RunResult) -> None:
+        from host.report.page import render
+
+        if self.capture is not None:
+            self.capture.close({"state_hash": result.state_hash, "duration_s": f"{result.duration_s:.9f}"})
+        self._csv.close()
+        folder.file("solution.csv.part").replace(folder.file("solution.csv"))
+        write_whole(folder.file("result.json"), json.dumps(result.to_dict(), indent=1) + "\n", "--out")
+        write_whole(folder.file("report.html"), render(result, self._manifest), "--out")
+        folder.set_status("complete", state_hash=result.state_hash, duration_s=result.duration_s)
+
+    def _all_events(self, duration_s: float) -> tuple[Event, ...]:
+        if self._events_left_out:
+            text = f"{self._events_left_out} more events are not listed; the capture holds them all"
+            return (*self._events, Event(duration_s, "host", text))
+        return tuple(self._events)
+
+    def _pass_on_slow_rows(self) -> None:
+        """Innovations and slow states since the last batch, all at once."""
+        if self._innovations:
+            rows = innovation_rows(self._innovations)
+            self._collector.data.innovations.add(rows)
+            if self.capture is not None:
+                self.capture.rows("/innovation", rows)
+            self._innovations = []
+        if self._biases:
+            rows = bias_rows(self._biases)
+            self._collector.data.biases.add(rows)
+            if self.capture is not None:
+                self.capture.rows("/bias", rows)
+            self._biases = []
+
+    def _thinned(self, rows: Floats) -> Floats:
+        """The first row of each tenth of a second."""
+        tenths = np.floor(rows[:, 0] * SHOWN_PER_SECOND + 1e-6)
+        chosen = rows[np.diff(tenths, prepend=self._last_tenth) > 0]
+        self._last_tenth = max(self._last_tenth, *tenths[-1:].tolist())
+        return chosen
