@@ -44,7 +44,7 @@ def problems_of_all(built: Iterable[Built]) -> Iterator[Problem]:
 def _line(result: Any, variable: str) -> str:
     annotation = result.type_annotation
     for block in annotation.blocks.values():
-        for statement in block.find_insts():
+        for statement in block.body:
             if variable in {var.name for var in statement.list_vars()}:
                 return f"line {statement.loc.line}"
     return "line ?"

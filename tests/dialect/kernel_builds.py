@@ -1,6 +1,6 @@
 """All kernels of the product, or of a file of samples, made by a decorator of one's choice.
 
-A sample file is plain Python in which the name `kernel` is given.
+A sample file looks like a file of firmware; it is run with the decorator in the place of the dialect's own.
 """
 
 import importlib
@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import firmware
+from firmware.numerics import dialect
 from firmware.numerics.signature import Signature, parse_signature
 from firmware.numerics.variants import KernelVariant
 
@@ -79,5 +80,10 @@ def build_samples(path: Path, decorate: Decorate) -> dict[str, Built]:
             return make(declaration, None)
         return lambda function: make(function, parse_signature(declaration))
 
-    runpy.run_path(str(path), init_globals={"kernel": kernel}, run_name=path.stem)
+    ordinary = dialect.kernel
+    dialect.kernel = kernel
+    try:
+        runpy.run_path(str(path), run_name=f"samples_{path.stem}")
+    finally:
+        dialect.kernel = ordinary
     return built

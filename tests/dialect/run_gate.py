@@ -1,4 +1,4 @@
-"""One half of the gate, in a process of its own: prints its findings as JSON.
+"""One half of the gate, in a process of its own: prints its findings as JSON in the last line.
 
     python run_gate.py host|target [firmware.nav | samples.py]
 
@@ -75,7 +75,7 @@ def main(half: str, what: str = "firmware") -> None:
     check = {"host": host_problems, "target": target_problems}[half]
     found = [{"kernel": p.kernel, "rule": p.rule, "detail": p.detail} for p in check(build)]
     report = {"kernels": sorted(names), "seconds": time.monotonic() - started, "problems": found}
-    json.dump(report, sys.stdout)
+    print("\n" + json.dumps(report))
 
 
 if __name__ == "__main__":

@@ -106,7 +106,8 @@ def _recursions(calls: Mapping[Function, list[tuple[Function, ast.Call]]]) -> It
 
 def _violation(function: Function, node: ast.AST, rule: str, advice: str) -> Violation:
     line = function.__code__.co_firstlineno + getattr(node, "lineno", 1) - 1
-    return Violation(function.__code__.co_filename, line, rule, ast.unparse(node), advice)
+    text = ast.unparse(node).splitlines()[0]
+    return Violation(function.__code__.co_filename, line, rule, text, advice)
 
 
 class _KernelSource:
@@ -129,8 +130,9 @@ class _KernelSource:
         self._found: list[Violation] = []
 
     def check(self) -> list[Violation]:
-        if self._definition.args.defaults or self._definition.args.vararg or self._definition.args.kwonlyargs:
-            self._report(self._definition.args, "parameters", "plain positional parameters without defaults")
+        parameters = self._definition.args
+        if parameters.defaults or parameters.vararg or parameters.kwonlyargs or parameters.kwarg:
+            self._report(self._definition, "parameters", "plain positional parameters without defaults")
         body = self._definition.body
         if isinstance(body[0], ast.Expr) and isinstance(body[0].value, ast.Constant):
             body = body[1:]  # the docstring
