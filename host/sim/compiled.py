@@ -25,12 +25,12 @@ from firmware.numerics.cache_folder import kernel_cache_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_OPTIONS = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
+_OPTIONS: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
 
 
 def inner(function: F) -> F:
     """A function that only compiled functions call."""
-    return numba.njit(**_OPTIONS)(function)
+    return numba.njit(forceinline=True, **_OPTIONS)(function)
 
 
 def entry(function: F) -> F:

@@ -42,6 +42,19 @@ def gravity(sin_lat: float, height: float) -> float:
     return surface * (1.0 - 2.0 * x * (1.0 + FLATTENING + _M - 2.0 * FLATTENING * s2) + 3.0 * x * x)
 
 
+@inner
+def radii_and_gravity(sin_lat: float, height: float) -> tuple[float, float, float]:
+    """M + h, N + h and gravity at once."""
+    s2 = sin_lat * sin_lat
+    w2 = 1.0 - E2 * s2
+    by_w = 1.0 / math.sqrt(w2)
+    n = SEMI_MAJOR * by_w
+    x = height * (1.0 / SEMI_MAJOR)
+    surface = GRAVITY_EQUATOR * (1.0 + SOMIGLIANA_K * s2) * by_w
+    g = surface * (1.0 - 2.0 * x * (1.0 + FLATTENING + _M - 2.0 * FLATTENING * s2) + 3.0 * x * x)
+    return n * (1.0 - E2) * by_w * by_w + height, n + height, g
+
+
 def geodetic_to_ecef(
     latitude: NDArray[np.float64], longitude: NDArray[np.float64], height: NDArray[np.float64]
 ) -> NDArray[np.float64]:

@@ -62,8 +62,9 @@ class SimulatedVehicle:
         assert place is not None  # the schema asks for it
         lever = np.asarray(lever_arm, dtype=np.float64)
 
-        def antenna(time_ns: int) -> tuple[float, ...]:
-            return tuple(antenna_states(self.motion, np.array([time_ns]), lever)[0, :6].tolist())
+        def antenna(time_ns: int) -> list[float]:
+            state: list[float] = antenna_states(self.motion, np.array([time_ns]), lever)[0, :6].tolist()
+            return state
 
         receiver = SimulatedReceiver(
             name,
@@ -144,7 +145,7 @@ def _disturbance(sway: Sway, vibration: Vibration, seed: int) -> Disturbance:
     for axis, rms in (("x", vibration.x_mps2), ("y", vibration.y_mps2), ("z", vibration.z_mps2)):
         if rms > 0.0:
             shake = (vibration.low_hz, vibration.high_hz, VIBRATION_SINUSOIDS, seed)
-            sinusoids += acceleration_band(f"velocity_{axis}", rms, *shake)
+            sinusoids += acceleration_band(f"shift_{axis}", rms, *shake)
     return Disturbance(
         tuple(sinusoids),
         Coning(vibration.coning_deg * DEG, vibration.coning_hz),

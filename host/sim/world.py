@@ -81,7 +81,7 @@ class World:
         return self._vehicle.gnss(name, lever)
 
     def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
-        """Truth at the vehicle's origin at rising times; biases of the sensor `imu` (default: the first made)."""
+        """Truth at the vehicle's origin at rising times; biases of the sensor `imu` (else the first made)."""
         return self._vehicle.truth(np.asarray(times_ns, dtype=np.int64), imu)
 
     def antenna_truth(self, times_ns: NDArray[np.int64], lever_arm: Array) -> TruthBatch:

@@ -1,8 +1,8 @@
 """Slow random processes as functions of time: Gauss–Markov and random walk at nodes, linear between them.
 
-A node k lies at k · 2^shift ns. Nodes are drawn in the same chunks as the vehicle's position, each chunk of
-each channel from a generator of its own, so that any instant can be asked for again, the memory stays flat and
-the sampling of a chip changes nothing.
+A node k lies at k · 2^shift ns. Nodes are drawn in the same chunks as the vehicle's position, each channel
+from a generator of its own, and the latest chunks are kept: the memory stays flat, the sampling of a chip
+changes nothing, and an instant far back comes out the same by running again from the start.
 
     x(k+1) = x(k) e^(−Δ/T) + σ √(1 − e^(−2Δ/T)) w   (Gauss–Markov, stationary from the start)
     x(k+1) = x(k) + q √Δ w                           (random walk from 0)
@@ -21,12 +21,16 @@ from numpy.typing import NDArray
 
 from host.sim.compiled import entry
 from host.sim.seeding import generator
-from host.sim.trajectory.motion import CHUNK_SHIFT, CHUNKS_KEPT
+from host.sim.trajectory.motion import CHUNK_SHIFT
 
 SLOWEST_SHIFT = 30
 """Nodes at most 1.07 s apart."""
 NODES_PER_CORRELATION_TIME = 40.0
 """Closer nodes for short correlation times: linear interpolation then lacks 1 % of the variance."""
+
+
+CHUNKS_KEPT = 64
+"""36 minutes."""
 
 
 @dataclass(frozen=True)
@@ -60,8 +64,8 @@ class ProcessBank:
                 for p in processes
             ]
         )
-        self._starts = [self._start()]
         self._chunks: OrderedDict[int, NDArray[np.float64]] = OrderedDict()
+        self._rewind()
 
     def _choose_shift(self) -> int:
         times = [p.correlation_s for p in self._processes if p.correlation_s and p.sigma > 0.0]
@@ -70,37 +74,41 @@ class ProcessBank:
             shift -= 1
         return shift
 
-    def _start(self) -> NDArray[np.float64]:
+    def _rewind(self) -> None:
+        """Back to the start of the run."""
+        self._next_chunk = 0
+        self._noise = [generator(self._seed, p.name) for p in self._processes]
         sigmas = [p.sigma if p.correlation_s else 0.0 for p in self._processes]
-        draws = [generator(self._seed, f"{p.name}.start").standard_normal() for p in self._processes]
-        return np.array(sigmas) * np.array(draws)
+        self._state = np.array([s * g.standard_normal() for s, g in zip(sigmas, self._noise, strict=True)])
 
     def nodes(self, chunk: int) -> NDArray[np.float64]:
         """Nodes (n + 1, channels) of one chunk; the last is the first of the next."""
         nodes = self._chunks.get(chunk)
         if nodes is not None:
-            self._chunks.move_to_end(chunk)
             return nodes
-        for index in range(len(self._starts) - 1, chunk):
-            self._starts.append(self._run(index)[-1].copy())
-        nodes = self._run(chunk)
-        if chunk + 1 == len(self._starts):
-            self._starts.append(nodes[-1].copy())
+        if chunk < self._next_chunk:
+            self._rewind()
+        while self._next_chunk <= chunk:
+            nodes = self._run()
+        assert nodes is not None
         self._chunks[chunk] = nodes
         if len(self._chunks) > CHUNKS_KEPT:
             self._chunks.popitem(last=False)
         return nodes
 
-    def _run(self, chunk: int) -> NDArray[np.float64]:
+    def _run(self) -> NDArray[np.float64]:
+        """The next chunk."""
         count = 1 << (CHUNK_SHIFT - self.node_shift)
         nodes = np.empty((count + 1, len(self._processes)))
-        nodes[0] = self._starts[chunk]
-        for column, process in enumerate(self._processes):
+        nodes[0] = self._state
+        for column, noise in enumerate(self._noise):
             if self._drive[column] != 0.0:
-                noise = generator(self._seed, process.name, chunk).standard_normal(count)
-                run_process(self._decay[column], self._drive[column], noise, nodes, column)
+                draws = noise.standard_normal(count)
+                run_process(self._decay[column], self._drive[column], draws, nodes, column)
             else:
                 nodes[1:, column] = nodes[0, column]
+        self._state = nodes[-1].copy()
+        self._next_chunk += 1
         return nodes
 
 

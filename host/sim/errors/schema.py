@@ -32,54 +32,56 @@ CorrelationTime = Annotated[PerAxis, AfterValidator(_positive)]
 class GyroErrors(Table):
     """Gyro triad."""
 
-    noise_dps_per_rthz: Sigma = Field(0.0, examples=[0.005])
-    bias_dps: PerAxis = Field(0.0, examples=[[0.3, -0.2, 0.1]])
-    turn_on_bias_dps: Sigma = Field(0.0, examples=[0.5])
-    instability_dph: Sigma = Field(0.0, examples=[8.0])
-    instability_time_s: CorrelationTime = Field(100.0, examples=[100.0])
-    random_walk_dph_per_rts: Sigma = Field(0.0, examples=[0.3])
-    scale_percent: PerAxis = Field(0.0, examples=[0.5])
-    scale_error_percent: Sigma = Field(0.0, examples=[0.5])
-    scale_instability_ppm: Sigma = Field(0.0, examples=[100.0])
-    scale_instability_time_s: CorrelationTime = Field(1000.0, examples=[1000.0])
-    misalignment_deg: NotNegative = Field(0.0, examples=[0.2])
-    g_sensitivity_dps_per_g: Sigma = Field(0.0, examples=[0.01])
-    bias_temperature_dps_per_k: Sigma = Field(0.0, examples=[0.05])
-    scale_temperature_percent_per_k: Sigma = Field(0.0, examples=[0.02])
+    noise_dps_per_rthz: Sigma = Field(default=0.0, examples=[0.005])
+    bias_dps: PerAxis = Field(default=0.0, examples=[[0.3, -0.2, 0.1]])
+    turn_on_bias_dps: Sigma = Field(default=0.0, examples=[0.5])
+    instability_dph: Sigma = Field(default=0.0, examples=[8.0])
+    instability_time_s: CorrelationTime = Field(default=100.0, examples=[100.0])
+    random_walk_dph_per_rts: Sigma = Field(default=0.0, examples=[0.3])
+    scale_percent: PerAxis = Field(default=0.0, examples=[0.5])
+    scale_error_percent: Sigma = Field(default=0.0, examples=[0.5])
+    scale_instability_ppm: Sigma = Field(default=0.0, examples=[100.0])
+    scale_instability_time_s: CorrelationTime = Field(default=1000.0, examples=[1000.0])
+    misalignment_deg: NotNegative = Field(default=0.0, examples=[0.2])
+    g_sensitivity_dps_per_g: Sigma = Field(default=0.0, examples=[0.01])
+    bias_temperature_dps_per_k: Sigma = Field(default=0.0, examples=[0.05])
+    scale_temperature_percent_per_k: Sigma = Field(default=0.0, examples=[0.02])
 
 
 class AccelerometerErrors(Table):
     """Accelerometer triad."""
 
-    noise_ug_per_rthz: Sigma = Field(0.0, examples=[180.0])
-    bias_mg: PerAxis = Field(0.0, examples=[[10.0, -20.0, 5.0]])
-    turn_on_bias_mg: Sigma = Field(0.0, examples=[40.0])
-    instability_mg: Sigma = Field(0.0, examples=[0.1])
-    instability_time_s: CorrelationTime = Field(100.0, examples=[100.0])
-    random_walk_mg_per_rts: Sigma = Field(0.0, examples=[0.005])
-    scale_percent: PerAxis = Field(0.0, examples=[0.5])
-    scale_error_percent: Sigma = Field(0.0, examples=[0.5])
-    scale_instability_ppm: Sigma = Field(0.0, examples=[100.0])
-    scale_instability_time_s: CorrelationTime = Field(1000.0, examples=[1000.0])
-    misalignment_deg: NotNegative = Field(0.0, examples=[0.2])
-    bias_temperature_mg_per_k: Sigma = Field(0.0, examples=[1.0])
-    scale_temperature_percent_per_k: Sigma = Field(0.0, examples=[0.03])
+    noise_ug_per_rthz: Sigma = Field(default=0.0, examples=[180.0])
+    bias_mg: PerAxis = Field(default=0.0, examples=[[10.0, -20.0, 5.0]])
+    turn_on_bias_mg: Sigma = Field(default=0.0, examples=[40.0])
+    instability_mg: Sigma = Field(default=0.0, examples=[0.1])
+    instability_time_s: CorrelationTime = Field(default=100.0, examples=[100.0])
+    random_walk_mg_per_rts: Sigma = Field(default=0.0, examples=[0.005])
+    scale_percent: PerAxis = Field(default=0.0, examples=[0.5])
+    scale_error_percent: Sigma = Field(default=0.0, examples=[0.5])
+    scale_instability_ppm: Sigma = Field(default=0.0, examples=[100.0])
+    scale_instability_time_s: CorrelationTime = Field(default=1000.0, examples=[1000.0])
+    misalignment_deg: NotNegative = Field(default=0.0, examples=[0.2])
+    bias_temperature_mg_per_k: Sigma = Field(default=0.0, examples=[1.0])
+    scale_temperature_percent_per_k: Sigma = Field(default=0.0, examples=[0.03])
 
 
 class Temperature(Table):
-    """Temperature of the chip: start + rise · (1 − exp(−t / time)). Drift counts from `reference_c`, where the
-    turn-on bias applies; left out, that is the start."""
+    """Temperature of the chip: start + rise · (1 − exp(−t / time)).
 
-    start_c: float = Field(25.0, ge=-60.0, le=125.0, examples=[25.0])
-    rise_k: float = Field(0.0, ge=-100.0, le=100.0, examples=[5.0])
-    rise_time_s: Positive = Field(900.0, examples=[900.0])
-    reference_c: float | None = Field(None, examples=[25.0])
+    Drift counts from `reference_c`, where the turn-on bias applies; left out, that is the start.
+    """
+
+    start_c: float = Field(default=25.0, ge=-60.0, le=125.0, examples=[25.0])
+    rise_k: float = Field(default=0.0, ge=-100.0, le=100.0, examples=[5.0])
+    rise_time_s: Positive = Field(default=900.0, examples=[900.0])
+    reference_c: float | None = Field(default=None, examples=[25.0])
 
 
 class ImuErrors(Table):
     """Both triads of one inertial sensor."""
 
-    preset: str | None = Field(None, examples=["bmi160"])
+    preset: str | None = Field(default=None, examples=["bmi160"])
     gyro: GyroErrors = GyroErrors()
     accelerometer: AccelerometerErrors = AccelerometerErrors()
     temperature: Temperature = Temperature()

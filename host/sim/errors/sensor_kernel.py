@@ -15,17 +15,27 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from host.sim.compiled import entry, inner
 from host.sim.earth import EARTH_RATE, gravity, radii
 from host.sim.sine import sincos
-from host.sim.trajectory.kinematics import C_NB, FORCE, HEIGHT, LATITUDE, OMEGA_DOT, OMEGA_IB, ROW, motion_row
+from host.sim.trajectory.kinematics import (
+    ANGLES,
+    C_NB,
+    FORCE,
+    HEIGHT,
+    LATITUDE,
+    OMEGA_DOT,
+    OMEGA_IB,
+    ROW,
+    Floats,
+    Integers,
+    motion_row,
+)
 from host.sim.trajectory.nodes import position_at
-from host.sim.trajectory.tables import MotionTables
 
 LEVER, MOUNTING, CROSS_G, CROSS_A, G_SENSITIVITY, DENSITY, CONSTANTS = 0, 3, 12, 21, 30, 39, 45
-"""Where the sensor's constants stand: l(3), C_b_s(9), couplings(9, 9), G(9), noise densities gyro(3), accel(3)."""
+"""Where the sensor's constants stand: l(3), C_b_s(9), couplings(9, 9), G(9), noise densities (3, 3)."""
 
 BIAS_G, BIAS_A, SCALE_G, SCALE_A, TEMPERATURE, SLOW = 0, 3, 6, 9, 12, 13
 """Columns of the slowly changing errors."""
@@ -35,9 +45,9 @@ NOISE_MEMORY = 7
 
 
 @inner
-def lever_effect(l: NDArray[np.float64], row: NDArray[np.float64]) -> None:
+def lever_effect(lever: Floats, row: Floats) -> None:
     """Move the specific force in a row of truth from the origin to the lever arm l[0 … 2]."""
-    x, y, z = l[0], l[1], l[2]
+    x, y, z = lever[0], lever[1], lever[2]
     wx, wy, wz = row[OMEGA_IB], row[OMEGA_IB + 1], row[OMEGA_IB + 2]
     ax, ay, az = row[OMEGA_DOT], row[OMEGA_DOT + 1], row[OMEGA_DOT + 2]
     cx, cy, cz = wy * z - wz * y, wz * x - wx * z, wx * y - wy * x
@@ -63,69 +73,66 @@ def lever_effect(l: NDArray[np.float64], row: NDArray[np.float64]) -> None:
 
 @inner
 def add_noise(
-    t: float,
-    bandwidth_hz: float,
-    density: NDArray[np.float64],
-    draws: NDArray[np.float64],
-    memory: NDArray[np.float64],
+    t: float, bandwidth_hz: float, sensor: Floats, normals: Floats, column: int, memory: Floats
 ) -> None:
-    """Advance the filtered noise in `memory` to time `t` with six fresh standard normals."""
+    """Advance the filtered noise in `memory` to time `t` with six standard normals, a column of `normals`."""
     r = 1.0
     if memory[6] >= 0.0 and t > memory[6]:
         r = 2.0 * bandwidth_hz * (t - memory[6])
     memory[6] = t
     if r >= 1.0:
-        gain = math.sqrt(bandwidth_hz)
-        for i in range(6):
-            memory[i] = gain * density[i] * draws[i]
-        return
-    a = 2.0 * r / (1.0 + r)
-    gain = a * math.sqrt(bandwidth_hz / r)
+        keep, gain = 0.0, math.sqrt(bandwidth_hz)
+    else:
+        a = 2.0 * r / (1.0 + r)
+        keep, gain = 1.0 - a, a * math.sqrt(bandwidth_hz / r)
     for i in range(6):
-        memory[i] = (1.0 - a) * memory[i] + gain * density[i] * draws[i]
+        memory[i] = keep * memory[i] + gain * sensor[DENSITY + i] * normals[i, column]
 
 
 @entry
 def sample_sensor(
-    tables: MotionTables,
-    nodes: NDArray[np.float64],
-    slow: NDArray[np.float64],
-    shifts: NDArray[np.int64],
-    sensor: NDArray[np.float64],
+    layout: Integers,
+    coefficients: Floats,
+    bank: Floats,
+    constants: Floats,
+    nodes: Floats,
+    slow: Floats,
+    shifts: Integers,
+    sensor: Floats,
     bandwidth_hz: float,
-    normals: NDArray[np.float64],
-    memory: NDArray[np.float64],
-    times_ns: NDArray[np.int64],
-    out: NDArray[np.float64],
+    normals: Floats,
+    memory: Floats,
+    times_ns: Integers,
+    out: Floats,
 ) -> None:
     """Fill `out` (n, 7) at times within one chunk. `shifts` = chunk start in ns, node shifts of position and
-    slow errors; `slow` (k, 13) and `nodes` begin at the chunk's start; `normals` (n, 6)."""
-    row = tables.first[:4].copy()
-    waves = np.empty((2, tables.bank.shape[1]))
+    slow errors; `slow` (k, 13) and `nodes` begin at the chunk's start; `normals` (6, n)."""
+    row = layout[:4].copy()
+    waves = np.zeros((2, max(ANGLES, bank.shape[1])))
     shake = np.empty((6, 3))
     truth = np.empty(ROW)
     now = np.empty(SLOW)
-    measured = np.empty(6)
+    felt = np.empty(6)
     start_ns, node_shift, slow_shift = shifts[0], shifts[1], shifts[2]
     moved = sensor[LEVER] != 0.0 or sensor[LEVER + 1] != 0.0 or sensor[LEVER + 2] != 0.0
     slow_step_ns = 1 << slow_shift
     for i in range(times_ns.shape[0]):
         t_ns = times_ns[i]
         position_at(nodes, start_ns, node_shift, t_ns, truth)
-        motion_row(tables, row, t_ns, waves, shake, truth)
+        motion_row(layout, coefficients, bank, constants, row, t_ns, waves, shake, truth)
         if moved:
             lever_effect(sensor, truth)
         k = (t_ns - start_ns) >> slow_shift
         x = (t_ns - start_ns - k * slow_step_ns) / slow_step_ns
         for j in range(SLOW):
             now[j] = slow[k, j] + x * (slow[k + 1, j] - slow[k, j])
-        add_noise(t_ns * 1e-9, bandwidth_hz, sensor[DENSITY:CONSTANTS], normals[i], memory)
-        to_sensor(truth, sensor, measured)
-        apply_errors(sensor, now, measured, memory, out[i])
+        add_noise(t_ns * 1e-9, bandwidth_hz, sensor, normals, i, memory)
+        to_sensor(truth, sensor, felt)
+        apply_errors(sensor, now, felt, memory, out, i)
 
 
 @inner
-def to_sensor(truth: NDArray[np.float64], sensor: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+def to_sensor(truth: Floats, sensor: Floats, out: Floats) -> None:
     """Specific force (3) and angular rate (3) of a row of truth in the sensor's axes: C_b_sᵀ."""
     for i in range(3):
         a, b, c = sensor[MOUNTING + i], sensor[MOUNTING + 3 + i], sensor[MOUNTING + 6 + i]
@@ -134,20 +141,14 @@ def to_sensor(truth: NDArray[np.float64], sensor: NDArray[np.float64], out: NDAr
 
 
 @inner
-def apply_errors(
-    sensor: NDArray[np.float64],
-    slow: NDArray[np.float64],
-    true: NDArray[np.float64],
-    noise: NDArray[np.float64],
-    out: NDArray[np.float64],
-) -> None:
-    """Measured force (3), rate (3) and temperature from true force and rate."""
+def apply_errors(sensor: Floats, slow: Floats, true: Floats, noise: Floats, out: Floats, k: int) -> None:
+    """Measured force (3), rate (3) and temperature into row `k` from true force and rate."""
     for i in range(3):
         f = (1.0 + slow[SCALE_A + i]) * true[i] + slow[BIAS_A + i] + noise[3 + i]
         w = (1.0 + slow[SCALE_G + i]) * true[3 + i] + slow[BIAS_G + i] + noise[i]
         for j in range(3):
             f += sensor[CROSS_A + 3 * i + j] * true[j]
             w += sensor[CROSS_G + 3 * i + j] * true[3 + j] + sensor[G_SENSITIVITY + 3 * i + j] * true[j]
-        out[i] = f
-        out[3 + i] = w
-    out[6] = slow[TEMPERATURE]
+        out[k, i] = f
+        out[k, 3 + i] = w
+    out[k, 6] = slow[TEMPERATURE]

@@ -1,9 +1,9 @@
 """A plausible, deterministic sky: GPS and GLONASS satellites on circular orbits, and the geometry's DOPs.
 
-Not an ephemeris: planes and slots are evenly spread (GPS 31 satellites in 6 planes, 26 560 km, 55°; GLONASS 24
-in 3 planes, 25 510 km, 64.8°) and start from an arbitrary but fixed phase at the GPS epoch. DOPs come from the
-line-of-sight vectors of the satellites used, with one receiver clock per system (Kaplan & Hegarty, 2nd ed.,
-section 7.3; the time DOP is that of the first system's clock).
+Not an ephemeris: planes and slots are evenly spread (GPS 31 satellites in 6 planes, 26 560 km, 55°; GLONASS
+24 in 3 planes, 25 510 km, 64.8°) and start from an arbitrary but fixed phase at the GPS epoch. DOPs come from
+the line-of-sight vectors of the satellites used, with one receiver clock per system (Kaplan & Hegarty, 2nd
+ed., section 7.3; the time DOP is that of GPS time where GPS is used).
 """
 
 from __future__ import annotations

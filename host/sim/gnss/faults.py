@@ -34,12 +34,12 @@ def glitches_of(faults: Sequence[Fault], receiver: str, end_ns: int) -> list[Gli
 
 def _glitch(fault: Fault, end_ns: int) -> Glitch:
     name = fault.name or fault.kind
-    values = {key: 0.0 for key in _PARAMETERS[fault.kind]}
+    values = dict.fromkeys(_PARAMETERS[fault.kind], 0.0)
     for key, value in fault.parameters.items():
         if key not in values or isinstance(value, bool) or not isinstance(value, int | float):
             known = ", ".join(f"{k} = 50.0" for k in values)
             raise ScenarioError(
-                f"fault {name!r}: parameters.{key} = {value!r} is not a number known here; for example {known}"
+                f"fault {name!r}: parameters.{key} = {value!r} is no number known here; for example {known}"
             )
         values[key] = float(value)
     start_ns = round(fault.at_s * NS)

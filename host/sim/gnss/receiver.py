@@ -22,11 +22,11 @@ from host.sim.seeding import generator
 from host.sim.trajectory.motion import CHUNK_SHIFT
 
 NS = 1_000_000_000
-SKY_STEP_NS = 10 * NS
-"""Satellites move by less than 0.1° in this time; the sky is computed once for it."""
+SKY_STEP_NS = 30 * NS
+"""Satellites move by a quarter of a degree in this time; the sky is computed once for it."""
 LEAST_LATENCY_S = 0.01
 
-AntennaTruth = Callable[[int], tuple[float, float, float, float, float, float]]
+AntennaTruth = Callable[[int], Sequence[float]]
 """Virtual time in ns → latitude, longitude (rad), height (m), v_N, v_E, v_D (m/s) of the antenna."""
 
 

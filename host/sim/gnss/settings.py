@@ -1,8 +1,8 @@
 """What may be said about a GNSS receiver's solutions in a scenario. The defaults are a NEO-M8N's.
 
 Position error per horizontal axis: white noise per epoch plus a first-order Gauss–Markov process; vertical
-both times `vertical_factor`. Velocity error: white per axis. The latency (validity to first byte of output) is
-`latency_s` plus one normal draw of `latency_sigma_s` per run, plus a normal draw of `latency_jitter_s` per epoch.
+both times `vertical_factor`. Velocity error: white per axis. The latency (validity to first byte of output)
+is `latency_s` plus one normal draw of `latency_sigma_s` per run, plus one of `latency_jitter_s` per epoch.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from host.sim.schema import NotNegative, Positive, Table
 class GnssSettings(Table):
     """Errors and sky of one receiver."""
 
-    position_white_m: NotNegative = Field(0.5, examples=[0.5])
-    position_markov_m: NotNegative = Field(1.5, examples=[1.5])
-    position_markov_time_s: float = Field(300.0, ge=1.0, examples=[300.0])
-    vertical_factor: NotNegative = Field(1.7, examples=[1.7])
-    velocity_white_mps: NotNegative = Field(0.05, examples=[0.05])
-    latency_s: float = Field(0.08, ge=0.0, le=2.0, examples=[0.08])
-    latency_sigma_s: float = Field(0.015, ge=0.0, le=0.5, examples=[0.015])
-    latency_jitter_s: float = Field(0.0, ge=0.0, le=0.5, examples=[0.005])
-    reacquisition_s: NotNegative = Field(2.0, examples=[2.0])
+    position_white_m: NotNegative = Field(default=0.5, examples=[0.5])
+    position_markov_m: NotNegative = Field(default=1.5, examples=[1.5])
+    position_markov_time_s: float = Field(default=300.0, ge=1.0, examples=[300.0])
+    vertical_factor: NotNegative = Field(default=1.7, examples=[1.7])
+    velocity_white_mps: NotNegative = Field(default=0.05, examples=[0.05])
+    latency_s: float = Field(default=0.08, ge=0.0, le=2.0, examples=[0.08])
+    latency_sigma_s: float = Field(default=0.015, ge=0.0, le=0.5, examples=[0.015])
+    latency_jitter_s: float = Field(default=0.0, ge=0.0, le=0.5, examples=[0.005])
+    reacquisition_s: NotNegative = Field(default=2.0, examples=[2.0])
     constellations: list[Literal["GPS", "GLONASS"]] = Field(
-        ["GPS", "GLONASS"], min_length=1, examples=[["GPS", "GLONASS"]]
+        default=["GPS", "GLONASS"], min_length=1, examples=[["GPS", "GLONASS"]]
     )
-    elevation_mask_deg: float = Field(5.0, ge=0.0, le=60.0, examples=[5.0])
-    rate_hz: Positive | None = Field(None, le=10.0, examples=[5.0])
+    elevation_mask_deg: float = Field(default=5.0, ge=0.0, le=60.0, examples=[5.0])
+    rate_hz: Positive | None = Field(default=None, le=10.0, examples=[5.0])
     """Recordings only: rate at which the recorded solutions are handed out."""

@@ -18,7 +18,7 @@ from host.sim.scenario.schema import Scenario
 def load_scenario(path: str | Path, overrides: Iterable[str] = ()) -> Scenario:
     """The scenario in a TOML file, with overrides (`gnss.latency_s=0.1`) applied last.
 
-    A file may say `inherit = "other"`: it then changes the scenario of that name in its own folder. Tables are
+    A file may say `inherit = "other"`: it then changes the scenario of that name in its folder. Tables are
     merged key by key, lists are replaced. Raises ScenarioError.
     """
     path = Path(path)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 from host.sim.scenario.motion_schema import (
     Accelerate,
@@ -43,7 +44,7 @@ def segment_of_row(row: Sequence[float]) -> SegmentModel:
         case 8.0:
             return Circle(kind="circle", duration_s=duration, rate_dps=p)
         case 9.0 | 91.0:
-            kind = "weave" if code == 9.0 else "weave-cosine"
+            kind: Literal["weave", "weave-cosine"] = "weave" if code == 9.0 else "weave-cosine"
             return Weave(kind=kind, duration_s=duration, period_s=p, amplitude_dps=q)
         case 10.0:
             return TurnRateRamp(kind="turn-rate-ramp", duration_s=duration, from_dps=p, to_dps=q)

@@ -14,8 +14,8 @@
 | weave-cosine | 91 | the same as a cosine |
 | turn-rate-ramp | 10 | turn rate from `from_dps` to `to_dps` on a line |
 
-Every kind takes `duration_s`, and `pitch_to_deg` and `roll_to_deg`: new angles, reached smoothly at the segment's
-end. Turning kinds take `speed_to_mps`: a new speed, reached likewise.
+Every kind takes `duration_s`, and `pitch_to_deg` and `roll_to_deg`: new angles, reached smoothly at the
+segment's end. Turning kinds take `speed_to_mps`: a new speed, reached likewise.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ Angle = Annotated[float, Field(ge=-89.0, le=89.0)]
 
 class _Segment(Table):
     duration_s: Positive = Field(le=1e6, examples=[20.0])
-    pitch_to_deg: Angle | None = Field(None, examples=[4.0])
-    roll_to_deg: Angle | None = Field(None, examples=[2.0])
+    pitch_to_deg: Angle | None = Field(default=None, examples=[4.0])
+    roll_to_deg: Angle | None = Field(default=None, examples=[2.0])
 
     def _rates(
         self,
@@ -144,7 +144,7 @@ class AccelerationRamp(_Segment):
 
 
 class _Turning(_Segment):
-    speed_to_mps: NotNegative | None = Field(None, examples=[5.0])
+    speed_to_mps: NotNegative | None = Field(default=None, examples=[5.0])
 
     def _turning(self, turn_rate: list[Piece], speed: float, blend_s: float) -> SegmentRates:
         if self.speed_to_mps is None:

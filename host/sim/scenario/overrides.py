@@ -13,7 +13,7 @@ EXAMPLE = "for example --set gnss.latency_s=0.1"
 
 
 def apply_overrides(data: dict[str, Any], overrides: Iterable[str]) -> dict[str, Any]:
-    """A copy of `data` with each `dotted.path=value` put in; values are written as in TOML, bare words are text.
+    """A copy of `data` with each `dotted.path=value` put in; values as in TOML, bare words are text.
 
     Tables are made where they are missing; whether a key may exist at all is for the schema to say.
     Raises ScenarioError when an override is not of this form or leads into something that is no table.

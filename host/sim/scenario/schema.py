@@ -24,15 +24,15 @@ class Place(Table):
 
     latitude_deg: float = Field(ge=-89.0, le=89.0, examples=[30.5278])
     longitude_deg: float = Field(ge=-180.0, le=180.0, examples=[114.3557])
-    height_m: float = Field(0.0, ge=-1000.0, le=100_000.0, examples=[35.0])
-    geoid_separation_m: float = Field(0.0, ge=-120.0, le=100.0, examples=[-12.0])
+    height_m: float = Field(default=0.0, ge=-1000.0, le=100_000.0, examples=[35.0])
+    geoid_separation_m: float = Field(default=0.0, ge=-120.0, le=100.0, examples=[-12.0])
 
 
 class Start(Table):
     """UTC at the start of the run."""
 
-    utc: str = Field("2024-05-14T08:00:00Z", examples=["2024-05-14T08:00:00Z"])
-    leap_seconds: int = Field(18, ge=0, le=60, examples=[18])
+    utc: str = Field(default="2024-05-14T08:00:00Z", examples=["2024-05-14T08:00:00Z"])
+    leap_seconds: int = Field(default=18, ge=0, le=60, examples=[18])
 
     @field_validator("utc")
     @classmethod
@@ -58,41 +58,41 @@ class Start(Table):
 class Initial(Table):
     """Motion at the start of the run."""
 
-    speed_mps: NotNegative = Field(0.0, examples=[0.0])
-    yaw_deg: float = Field(0.0, ge=-360.0, le=360.0, examples=[45.0])
-    pitch_deg: float = Field(0.0, ge=-89.0, le=89.0, examples=[0.0])
-    roll_deg: float = Field(0.0, ge=-89.0, le=89.0, examples=[0.0])
+    speed_mps: NotNegative = Field(default=0.0, examples=[0.0])
+    yaw_deg: float = Field(default=0.0, ge=-360.0, le=360.0, examples=[45.0])
+    pitch_deg: float = Field(default=0.0, ge=-89.0, le=89.0, examples=[0.0])
+    roll_deg: float = Field(default=0.0, ge=-89.0, le=89.0, examples=[0.0])
 
 
 class Trajectory(Table):
     """How segments are joined. `matrix` = rows of source 002, table 3-1, followed to the letter."""
 
-    blend_s: NotNegative = Field(0.5, le=10.0, examples=[0.5])
+    blend_s: NotNegative = Field(default=0.5, le=10.0, examples=[0.5])
     matrix: list[Annotated[list[float], Field(min_length=2, max_length=4)]] | None = Field(
-        None, examples=[[[1, 60, 0, 0], [3, 10, 12, 0], [7, 8, 0, 90]]]
+        default=None, examples=[[[1, 60, 0, 0], [3, 10, 12, 0], [7, 8, 0, 90]]]
     )
 
 
 class Sway(Table):
     """Roll and pitch that the road gives a moving car: RMS at full size, band."""
 
-    roll_deg: NotNegative = Field(0.0, le=20.0, examples=[0.4])
-    pitch_deg: NotNegative = Field(0.0, le=20.0, examples=[0.3])
-    low_hz: Positive = Field(0.1, examples=[0.1])
-    high_hz: float = Field(1.5, gt=0.0, le=5.0, examples=[1.5])
+    roll_deg: NotNegative = Field(default=0.0, le=20.0, examples=[0.4])
+    pitch_deg: NotNegative = Field(default=0.0, le=20.0, examples=[0.3])
+    low_hz: Positive = Field(default=0.1, examples=[0.1])
+    high_hz: float = Field(default=1.5, gt=0.0, le=5.0, examples=[1.5])
 
 
 class Vibration(Table):
     """Vibration of the vehicle: acceleration RMS per path axis over a band, and coning of the body."""
 
-    x_mps2: NotNegative = Field(0.0, le=50.0, examples=[0.5])
-    y_mps2: NotNegative = Field(0.0, le=50.0, examples=[0.5])
-    z_mps2: NotNegative = Field(0.0, le=50.0, examples=[1.5])
-    low_hz: float = Field(3.0, ge=0.5, le=20.0, examples=[3.0])
-    high_hz: float = Field(15.0, ge=0.5, le=20.0, examples=[15.0])
-    coning_deg: float = Field(0.0, ge=0.0, le=20.0, examples=[0.5])
-    coning_hz: float = Field(5.0, gt=0.0, le=20.0, examples=[5.0])
-    half_speed_mps: Positive = Field(2.0, examples=[2.0])
+    x_mps2: NotNegative = Field(default=0.0, le=50.0, examples=[0.5])
+    y_mps2: NotNegative = Field(default=0.0, le=50.0, examples=[0.5])
+    z_mps2: NotNegative = Field(default=0.0, le=50.0, examples=[1.5])
+    low_hz: float = Field(default=3.0, ge=0.5, le=20.0, examples=[3.0])
+    high_hz: float = Field(default=15.0, ge=0.5, le=20.0, examples=[15.0])
+    coning_deg: float = Field(default=0.0, ge=0.0, le=20.0, examples=[0.5])
+    coning_hz: float = Field(default=5.0, gt=0.0, le=20.0, examples=[5.0])
+    half_speed_mps: Positive = Field(default=2.0, examples=[2.0])
     always: bool = False
 
     @model_validator(mode="after")
@@ -115,9 +115,9 @@ class Fault(Table):
     kind: str = Field(min_length=1, examples=["uart-cut"])
     target: str = Field(min_length=1, examples=["gnss"])
     at_s: NotNegative = Field(examples=[120.0])
-    duration_s: Positive | None = Field(None, examples=[5.0])
-    name: str | None = Field(None, examples=["receiver unplugged"])
-    parameters: dict[str, float | int | str | bool | list[float]] = {}
+    duration_s: Positive | None = Field(default=None, examples=[5.0])
+    name: str | None = Field(default=None, examples=["receiver unplugged"])
+    parameters: dict[str, float | int | str | bool | list[float]] = Field(default_factory=dict)
 
 
 class RecordingSource(Table):
@@ -178,21 +178,21 @@ class Scenario(Table):
     name: str
     description: str = ""
     kind: Literal["simulated", "recording"] = "simulated"
-    place: Place | None = Field(None, examples=[{"latitude_deg": 30.5278, "longitude_deg": 114.3557}])
+    place: Place | None = Field(default=None, examples=[{"latitude_deg": 30.5278, "longitude_deg": 114.3557}])
     start: Start = Start()
-    duration_s: Positive | None = Field(None, le=1e7, examples=[1200.0])
+    duration_s: Positive | None = Field(default=None, le=1e7, examples=[1200.0])
     initial: Initial = Initial()
     trajectory: Trajectory = Trajectory()
-    segment: list[AnySegment] = Field([], examples=[[{"kind": "rest", "duration_s": 60.0}]])
+    segment: list[AnySegment] = Field(default=[], examples=[[{"kind": "rest", "duration_s": 60.0}]])
     sway: Sway = Sway()
     vibration: Vibration = Vibration()
     imu: ImuErrors = ImuErrors()
     gnss: GnssSettings = GnssSettings()
-    outage: list[OutageWindow] = Field([], examples=[[{"start_s": 300.0, "duration_s": 60.0}]])
-    fault: list[Fault] = []
-    recording: RecordingSource | None = Field(None, examples=[{"file": "comma2k19/example_1.npz"}])
+    outage: list[OutageWindow] = Field(default=[], examples=[[{"start_s": 300.0, "duration_s": 60.0}]])
+    fault: list[Fault] = Field(default_factory=list)
+    recording: RecordingSource | None = Field(default=None, examples=[{"file": "comma2k19/example_1.npz"}])
     expect: Annotated[dict[str, Limit], BeforeValidator(_flat_limits)] = Field(
-        {}, examples=[{"metrics.position_horizontal_rms_m": 2.5}]
+        default={}, examples=[{"metrics.position_horizontal_rms_m": 2.5}]
     )
     path: Path | None = None
     """The file it came from."""

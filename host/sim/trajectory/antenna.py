@@ -28,7 +28,7 @@ def antenna_states(
 
 
 @entry
-def move_rows(rows: NDArray[np.float64], l: NDArray[np.float64]) -> None:
+def move_rows(rows: NDArray[np.float64], lever: NDArray[np.float64]) -> None:
     """Move position and velocity in rows of truth by the lever arm."""
     for k in range(rows.shape[0]):
         row = rows[k]
@@ -38,10 +38,10 @@ def move_rows(rows: NDArray[np.float64], l: NDArray[np.float64]) -> None:
         x = row[OMEGA_IB] - row[C_NB] * ie_n - row[C_NB + 6] * ie_d
         y = row[OMEGA_IB + 1] - row[C_NB + 1] * ie_n - row[C_NB + 7] * ie_d
         z = row[OMEGA_IB + 2] - row[C_NB + 2] * ie_n - row[C_NB + 8] * ie_d
-        vx, vy, vz = y * l[2] - z * l[1], z * l[0] - x * l[2], x * l[1] - y * l[0]
-        north = row[C_NB] * l[0] + row[C_NB + 1] * l[1] + row[C_NB + 2] * l[2]
-        east = row[C_NB + 3] * l[0] + row[C_NB + 4] * l[1] + row[C_NB + 5] * l[2]
-        down = row[C_NB + 6] * l[0] + row[C_NB + 7] * l[1] + row[C_NB + 8] * l[2]
+        vx, vy, vz = y * lever[2] - z * lever[1], z * lever[0] - x * lever[2], x * lever[1] - y * lever[0]
+        north = row[C_NB] * lever[0] + row[C_NB + 1] * lever[1] + row[C_NB + 2] * lever[2]
+        east = row[C_NB + 3] * lever[0] + row[C_NB + 4] * lever[1] + row[C_NB + 5] * lever[2]
+        down = row[C_NB + 6] * lever[0] + row[C_NB + 7] * lever[1] + row[C_NB + 8] * lever[2]
         for i in range(3):
             c = C_NB + 3 * i
             row[VELOCITY + i] += row[c] * vx + row[c + 1] * vy + row[c + 2] * vz

@@ -16,12 +16,13 @@ from numpy.typing import NDArray
 
 from host.sim.seeding import generator
 
-TARGETS = ("roll", "pitch", "yaw", "velocity_x", "velocity_y", "velocity_z")
+TARGETS = ("roll", "pitch", "yaw", "shift_x", "shift_y", "shift_z")
 
 
 @dataclass(frozen=True)
 class Sinusoid:
-    """amplitude · sin(2π (frequency t + phase)) added to a target: rad for angles, m/s for velocities."""
+    """amplitude · sin(2π (frequency t + phase)) added to a target: rad for angles, m for shifts along
+    the path's axes."""
 
     target: str
     amplitude: float
@@ -48,16 +49,15 @@ class Disturbance:
     always: bool = False
 
     def bank(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Frequency, phase and amplitude (3, n) sorted by target, and the range limits (7,) of the targets."""
+        """Frequency, phase, amplitude and amplitude times ω and ω² (5, n), sorted by target, and the range
+        limits (7,) of the targets."""
         ordered = [s for target in TARGETS for s in self.sinusoids if s.target == target]
         limits = [sum(TARGETS.index(s.target) < k for s in ordered) for k in range(len(TARGETS) + 1)]
-        rows = [[s.frequency_hz, s.phase_turns, s.amplitude] for s in ordered]
-        return np.array(rows, dtype=np.float64).reshape(-1, 3).T.copy(), np.array(limits, dtype=np.int64)
-
-    @property
-    def highest_velocity_frequency_hz(self) -> float:
-        """The fastest shaking of the velocity, which the integration of the position must resolve."""
-        return max((s.frequency_hz for s in self.sinusoids if s.target.startswith("velocity")), default=0.0)
+        rows = np.zeros((5, len(ordered)))
+        for i, s in enumerate(ordered):
+            w = 2.0 * math.pi * s.frequency_hz
+            rows[:, i] = s.frequency_hz, s.phase_turns, s.amplitude, s.amplitude * w, s.amplitude * w * w
+        return rows, np.array(limits, dtype=np.int64)
 
 
 def angle_band(
@@ -71,10 +71,10 @@ def angle_band(
 def acceleration_band(
     target: str, rms: float, low_hz: float, high_hz: float, count: int, seed: int
 ) -> list[Sinusoid]:
-    """Vibration of a velocity target whose acceleration has `rms` m/s², flat over the band."""
+    """Vibration of a shift target whose acceleration has `rms` m/s², flat over the band."""
     amplitude = rms * math.sqrt(2.0 / count)
     return [
-        Sinusoid(target, amplitude / (2.0 * math.pi * f), f, p)
+        Sinusoid(target, amplitude / (2.0 * math.pi * f) ** 2, f, p)
         for f, p in _draws(target, low_hz, high_hz, count, seed)
     ]
 

@@ -1,9 +1,11 @@
 """Exact kinematics of the vehicle at any instant: what a perfect inertial sensor at its origin feels.
 
-The path gives speed v, yaw ψ, pitch θ, roll φ as piecewise analytic functions. The velocity lies along the
-path's own axis x (plus vibration u, in path axes), the body may sway about it:
+The path gives speed v, yaw ψ, pitch θ, roll φ as piecewise analytic functions. The vehicle drives along the
+path's own axis x and vibrates about it by d (in path axes, millimetres); its body may sway:
 
-    v_n  = C_n_p w,  w = (v + u_x, u_y, u_z);   v̇_n = C_n_p (ẇ + ω_np × w)
+    r = r_path + C_n_p d,   w = (v, 0, 0),   Ω = ω_np in path axes
+    v_n = C_n_p (w + ḋ + Ω × d)
+    v̇_n = C_n_p (ẇ + Ω × w + d̈ + 2 Ω × ḋ + Ω̇ × d + Ω × (Ω × d))
     C_n_b = Rz(ψ + ψ_s) Ry(θ + θ_s) Rx(φ + φ_s) R(ρ),   ρ = α (cos Ωt, sin Ωt, 0) the coning vector
     ω_ib = ω_nb + C_b_n (ω_ie + ω_en)
     f_b  = C_b_n (v̇_n + (2 ω_ie + ω_en) × v_n − g_n)
@@ -14,21 +16,24 @@ measure. Angular acceleration ω̇_ib is exact but for the change of the Earth's
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 from numpy.typing import NDArray
 
 from host.sim.compiled import inner
-from host.sim.earth import EARTH_RATE, gravity, radii
-from host.sim.sine import TWO_PI, sincos, sincos_turns
+from host.sim.earth import EARTH_RATE, radii_and_gravity
+from host.sim.sine import TURNS_PER_RADIAN, TWO_PI, sincos, sincos_turns
 from host.sim.trajectory.tables import (
     CONE_ANGLE,
     CONE_FREQUENCY,
+    FIRST,
     HALF_SPEED_SQUARED,
+    LIMITS,
     SHAKE_ALWAYS,
-    MotionTables,
+    STARTS,
 )
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 LATITUDE, LONGITUDE, HEIGHT = 0, 1, 2
 VELOCITY = 3
@@ -41,65 +46,66 @@ ROW = 24
 
 CHANNELS = 4
 SPEED, YAW, PITCH, ROLL = range(4)
-SWAY_ROLL, SWAY_PITCH, SWAY_YAW, SHAKE_X, SHAKE_Y, SHAKE_Z = range(6)
+SWAY_ROLL, SWAY_PITCH, SWAY_YAW, SHIFT_X, SHIFT_Y, SHIFT_Z = range(6)
+PATH_YAW, PATH_PITCH, BODY_YAW, BODY_PITCH, BODY_ROLL, PLACE = range(6)
+ANGLES = 8
+"""Width of the scratch for sines of angles; two are spare."""
 
 
 @inner
-def find_pieces(tables: MotionTables, t_ns: int, row: NDArray[np.int64]) -> None:
+def find_pieces(layout: Integers, t_ns: int, row: Integers) -> None:
     """Move the channels' current rows forward (or back) to the pieces that hold `t_ns`."""
     for channel in range(CHANNELS):
         k = row[channel]
-        while k + 1 < tables.first[channel + 1] and tables.start_ns[k + 1] <= t_ns:
+        while k + 1 < layout[FIRST + channel + 1] and layout[STARTS + k + 1] <= t_ns:
             k += 1
-        while k > tables.first[channel] and tables.start_ns[k] > t_ns:
+        while k > layout[FIRST + channel] and layout[STARTS + k] > t_ns:
             k -= 1
         row[channel] = k
 
 
 @inner
-def channel_value(c: NDArray[np.float64], tau: float) -> tuple[float, float, float]:
-    """Value, first and second derivative of one piece."""
-    x = c[7]
-    d = 0.0
-    e = 0.0
-    for k in range(6, -1, -1):
+def channel(layout: Integers, c: Floats, k: int, t_ns: int) -> tuple[float, float, float]:
+    """Value, first and second derivative of piece `k`."""
+    tau = (t_ns - layout[STARTS + k]) * 1e-9
+    x, d, e = c[k, 7], 0.0, 0.0
+    for i in range(6, -1, -1):
         e = e * tau + d
         d = d * tau + x
-        x = x * tau + c[k]
-    if c[20] == 0.0:
+        x = x * tau + c[k, i]
+    if c[k, 20] == 0.0:
         return x, d, 2.0 * e
-    w = c[20]
-    s, s1, s2 = c[13], 0.0, 0.0
-    q, q1, q2 = c[19], 0.0, 0.0
-    for k in range(4, -1, -1):
+    wave, wave1, wave2 = wave_part(c, k, tau)
+    return x + wave, d + wave1, 2.0 * e + wave2
+
+
+@inner
+def wave_part(c: Floats, k: int, tau: float) -> tuple[float, float, float]:
+    """The sine and cosine terms of piece `k` and their derivatives."""
+    w = c[k, 20]
+    s, s1, s2 = c[k, 13], 0.0, 0.0
+    q, q1, q2 = c[k, 19], 0.0, 0.0
+    for i in range(4, -1, -1):
         s2 = s2 * tau + s1
         s1 = s1 * tau + s
-        s = s * tau + c[8 + k]
+        s = s * tau + c[k, 8 + i]
         q2 = q2 * tau + q1
         q1 = q1 * tau + q
-        q = q * tau + c[14 + k]
+        q = q * tau + c[k, 14 + i]
     sin, cos = sincos(w * tau)
-    x += s * sin + q * cos
-    d += (s1 - w * q) * sin + (q1 + w * s) * cos
-    e2 = (2.0 * s2 - 2.0 * w * q1 - w * w * s) * sin + (2.0 * q2 + 2.0 * w * s1 - w * w * q) * cos
-    return x, d, 2.0 * e + e2
+    return (
+        s * sin + q * cos,
+        (s1 - w * q) * sin + (q1 + w * s) * cos,
+        (2.0 * s2 - 2.0 * w * q1 - w * w * s) * sin + (2.0 * q2 + 2.0 * w * s1 - w * w * q) * cos,
+    )
 
 
 @inner
-def channel(
-    tables: MotionTables, row: NDArray[np.int64], index: int, t_ns: int
-) -> tuple[float, float, float]:
-    """Value and two derivatives of a channel whose current piece is known."""
-    k = row[index]
-    return channel_value(tables.coefficients[k], (t_ns - tables.start_ns[k]) * 1e-9)
-
-
-@inner
-def envelope(tables: MotionTables, v: float, v1: float, v2: float) -> tuple[float, float, float]:
+def envelope(constants: Floats, v: float, v1: float, v2: float) -> tuple[float, float, float]:
     """Size of the shaking at a speed, and its derivatives with respect to time."""
-    if tables.constants[SHAKE_ALWAYS] != 0.0:
+    if constants[SHAKE_ALWAYS] != 0.0:
         return 1.0, 0.0, 0.0
-    half = tables.constants[HALF_SPEED_SQUARED]
+    half = constants[HALF_SPEED_SQUARED]
     x = v * v
     r = 1.0 / (x + half)
     first = 2.0 * v * half * r * r
@@ -108,79 +114,57 @@ def envelope(tables: MotionTables, v: float, v1: float, v2: float) -> tuple[floa
 
 
 @inner
-def shaking(tables: MotionTables, t_ns: int, waves: NDArray[np.float64], out: NDArray[np.float64]) -> None:
+def shaking(layout: Integers, bank: Floats, t_ns: int, waves: Floats, out: Floats) -> None:
     """Sums of the bank at `t_ns`: out (6, 3) = value and two derivatives per target; `waves` is scratch."""
-    bank = tables.bank
     t = t_ns * 1e-9
-    count = bank.shape[1]
-    for i in range(count):
+    for i in range(bank.shape[1]):
         waves[0, i], waves[1, i] = sincos_turns(bank[0, i] * t + bank[1, i])
     for target in range(6):
         value, first, second = 0.0, 0.0, 0.0
-        for i in range(tables.bank_limits[target], tables.bank_limits[target + 1]):
-            w = TWO_PI * bank[0, i]
-            s = bank[2, i] * waves[0, i]
-            value += s
-            first += w * (bank[2, i] * waves[1, i])
-            second -= w * (w * s)
+        for i in range(layout[LIMITS + target], layout[LIMITS + target + 1]):
+            value += bank[2, i] * waves[0, i]
+            first += bank[3, i] * waves[1, i]
+            second -= bank[4, i] * waves[0, i]
         out[target, 0] = value
         out[target, 1] = first
         out[target, 2] = second
 
 
 @inner
-def path_velocity(
-    tables: MotionTables, row: NDArray[np.int64], t_ns: int, scratch: NDArray[np.float64]
-) -> tuple[float, float, float]:
-    """v_n alone, for the integration of the position."""
-    v, v1, v2 = channel(tables, row, SPEED, t_ns)
-    yaw, _, _ = channel(tables, row, YAW, t_ns)
-    pitch, _, _ = channel(tables, row, PITCH, t_ns)
-    sy, cy = sincos(yaw)
-    sp, cp = sincos(pitch)
-    wx, wy, wz = v, 0.0, 0.0
-    if tables.bank_limits[SHAKE_X] < tables.bank_limits[SHAKE_Z + 1]:
-        e, _, _ = envelope(tables, v, v1, v2)
-        t = t_ns * 1e-9
-        first = tables.bank_limits[SHAKE_X]
-        for i in range(first, tables.bank.shape[1]):
-            s, _ = sincos_turns(tables.bank[0, i] * t + tables.bank[1, i])
-            scratch[i] = tables.bank[2, i] * s
-        for i in range(first, tables.bank_limits[SHAKE_Y]):
-            wx += e * scratch[i]
-        for i in range(tables.bank_limits[SHAKE_Y], tables.bank_limits[SHAKE_Z]):
-            wy += e * scratch[i]
-        for i in range(tables.bank_limits[SHAKE_Z], tables.bank.shape[1]):
-            wz += e * scratch[i]
-    forward = cp * wx + sp * wz
-    return cy * forward - sy * wy, sy * forward + cy * wy, cp * wz - sp * wx
+def swell(out: Floats, e: float, e1: float, e2: float) -> None:
+    """Multiply values and derivatives (6, 3) by the envelope."""
+    for i in range(6):
+        value, first = out[i, 0], out[i, 1]
+        out[i, 2] = e2 * value + 2.0 * e1 * first + e * out[i, 2]
+        out[i, 1] = e1 * value + e * first
+        out[i, 0] = e * value
 
 
 @inner
-def body_rates(
-    yaw1: float, yaw2: float, pitch: float, p1: float, p2: float, roll: float, r1: float, r2: float
-) -> tuple[float, float, float, float, float, float]:
-    """ω and ω̇ of a Z-Y-X Euler frame in its own axes, from the angles' rates and accelerations."""
+def path_velocity(layout: Integers, c: Floats, row: Integers, t_ns: int) -> tuple[float, float, float]:
+    """v_n of the path without vibration, for the integration of the position."""
+    v, _, _ = channel(layout, c, row[SPEED], t_ns)
+    yaw, _, _ = channel(layout, c, row[YAW], t_ns)
+    pitch, _, _ = channel(layout, c, row[PITCH], t_ns)
+    sy, cy = sincos(yaw)
     sp, cp = sincos(pitch)
-    sr, cr = sincos(roll)
-    level = yaw1 * cp
-    level1 = yaw2 * cp - yaw1 * p1 * sp
-    return (
-        r1 - yaw1 * sp,
-        p1 * cr + level * sr,
-        level * cr - p1 * sr,
-        r2 - yaw2 * sp - yaw1 * p1 * cp,
-        p2 * cr - p1 * r1 * sr + level1 * sr + level * r1 * cr,
-        level1 * cr - level * r1 * sr - p2 * sr - p1 * r1 * cr,
-    )
+    return v * cp * cy, v * cp * sy, -v * sp
 
 
 @inner
-def euler_matrix(yaw: float, pitch: float, roll: float, out: NDArray[np.float64]) -> None:
-    """C_n_b = Rz Ry Rx into out[C_NB …], by rows."""
-    sy, cy = sincos(yaw)
-    sp, cp = sincos(pitch)
-    sr, cr = sincos(roll)
+def add_body(
+    angles: Floats,
+    yaw1: float,
+    yaw2: float,
+    p1: float,
+    p2: float,
+    r1: float,
+    r2: float,
+    out: Floats,
+) -> None:
+    """C_n_b = Rz Ry Rx, ω_nb and ω̇_nb in body axes, from the angles' sines and their two derivatives."""
+    sy, sp, sr = angles[0, BODY_YAW], angles[0, BODY_PITCH], angles[0, BODY_ROLL]
+    cy, cp, cr = angles[1, BODY_YAW], angles[1, BODY_PITCH], angles[1, BODY_ROLL]
     out[C_NB] = cp * cy
     out[C_NB + 1] = sr * sp * cy - cr * sy
     out[C_NB + 2] = cr * sp * cy + sr * sy
@@ -190,18 +174,24 @@ def euler_matrix(yaw: float, pitch: float, roll: float, out: NDArray[np.float64]
     out[C_NB + 6] = -sp
     out[C_NB + 7] = sr * cp
     out[C_NB + 8] = cr * cp
+    level = yaw1 * cp
+    level1 = yaw2 * cp - yaw1 * p1 * sp
+    out[OMEGA_IB] = r1 - yaw1 * sp
+    out[OMEGA_IB + 1] = p1 * cr + level * sr
+    out[OMEGA_IB + 2] = level * cr - p1 * sr
+    out[OMEGA_DOT] = r2 - yaw2 * sp - yaw1 * p1 * cp
+    out[OMEGA_DOT + 1] = p2 * cr - p1 * r1 * sr + level1 * sr + level * r1 * cr
+    out[OMEGA_DOT + 2] = level1 * cr - level * r1 * sr - p2 * sr - p1 * r1 * cr
 
 
 @inner
-def add_coning(
-    tables: MotionTables, t_ns: int, e: float, e1: float, e2: float, out: NDArray[np.float64]
-) -> None:
+def add_coning(constants: Floats, t_ns: int, e: float, e1: float, e2: float, out: Floats) -> None:
     """Turn C_n_b, ω_nb and ω̇_nb in `out` on by the coning motion R(ρ) of the body.
 
     ω_c = α̇ u + sin α u̇ − (1 − cos α) u × u̇ with u = (cos Ωt, sin Ωt, 0).
     """
-    cone = tables.constants[CONE_ANGLE]
-    frequency = tables.constants[CONE_FREQUENCY]
+    cone = constants[CONE_ANGLE]
+    frequency = constants[CONE_FREQUENCY]
     k = TWO_PI * frequency
     alpha, a1, a2 = cone * e, cone * e1, cone * e2
     st, ct = sincos_turns(frequency * (t_ns * 1e-9))
@@ -236,79 +226,136 @@ def add_coning(
 
 @inner
 def motion_row(
-    tables: MotionTables,
-    row: NDArray[np.int64],
+    layout: Integers,
+    c: Floats,
+    bank: Floats,
+    constants: Floats,
+    row: Integers,
     t_ns: int,
-    waves: NDArray[np.float64],
-    shake: NDArray[np.float64],
-    out: NDArray[np.float64],
+    waves: Floats,
+    shake: Floats,
+    out: Floats,
 ) -> None:
-    """Fill `out` (ROW) at `t_ns`; latitude, longitude and height must stand in it already."""
-    find_pieces(tables, t_ns, row)
-    v, v1, v2 = channel(tables, row, SPEED, t_ns)
-    yaw, yaw1, yaw2 = channel(tables, row, YAW, t_ns)
-    pitch, pitch1, pitch2 = channel(tables, row, PITCH, t_ns)
-    roll, roll1, roll2 = channel(tables, row, ROLL, t_ns)
-    e, e1, e2 = envelope(tables, v, v1, v2)
-    shaking(tables, t_ns, waves, shake)
+    """Fill `out` (ROW) at `t_ns`; the path's latitude, longitude and height must stand in it already.
 
-    wx, wy, wz = v + e * shake[SHAKE_X, 0], e * shake[SHAKE_Y, 0], e * shake[SHAKE_Z, 0]
-    ax = v1 + e1 * shake[SHAKE_X, 0] + e * shake[SHAKE_X, 1]
-    ay = e1 * shake[SHAKE_Y, 0] + e * shake[SHAKE_Y, 1]
-    az = e1 * shake[SHAKE_Z, 0] + e * shake[SHAKE_Z, 1]
-    sy, cy = sincos(yaw)
-    sp, cp = sincos(pitch)
-    px, pz = -yaw1 * sp, yaw1 * cp
-    ax += pitch1 * wz - pz * wy
-    ay += pz * wx - px * wz
-    az += px * wy - pitch1 * wx
-    forward, side = cp * wx + sp * wz, wy
-    vn, ve, vd = cy * forward - sy * side, sy * forward + cy * side, cp * wz - sp * wx
-    forward, side = cp * ax + sp * az, ay
-    an, ae, ad = cy * forward - sy * side, sy * forward + cy * side, cp * az - sp * ax
-    out[VELOCITY], out[VELOCITY + 1], out[VELOCITY + 2] = vn, ve, vd
-
-    pitch += e * shake[SWAY_PITCH, 0]
-    roll += e * shake[SWAY_ROLL, 0]
-    euler_matrix(yaw + e * shake[SWAY_YAW, 0], pitch, roll, out)
-    x, y, z, x1, y1, z1 = body_rates(
-        yaw1 + e1 * shake[SWAY_YAW, 0] + e * shake[SWAY_YAW, 1],
-        yaw2 + e2 * shake[SWAY_YAW, 0] + 2.0 * e1 * shake[SWAY_YAW, 1] + e * shake[SWAY_YAW, 2],
-        pitch,
-        pitch1 + e1 * shake[SWAY_PITCH, 0] + e * shake[SWAY_PITCH, 1],
-        pitch2 + e2 * shake[SWAY_PITCH, 0] + 2.0 * e1 * shake[SWAY_PITCH, 1] + e * shake[SWAY_PITCH, 2],
-        roll,
-        roll1 + e1 * shake[SWAY_ROLL, 0] + e * shake[SWAY_ROLL, 1],
-        roll2 + e2 * shake[SWAY_ROLL, 0] + 2.0 * e1 * shake[SWAY_ROLL, 1] + e * shake[SWAY_ROLL, 2],
+    `layout`, `c`, `bank`, `constants` are the `MotionTables`, `row` the channels' current pieces.
+    `waves` (2, bank size, at least ANGLES) and `shake` (6, 3) are scratch.
+    """
+    find_pieces(layout, t_ns, row)
+    v, v1, v2 = channel(layout, c, row[SPEED], t_ns)
+    yaw, yaw1, yaw2 = channel(layout, c, row[YAW], t_ns)
+    pitch, pitch1, pitch2 = channel(layout, c, row[PITCH], t_ns)
+    roll, roll1, roll2 = channel(layout, c, row[ROLL], t_ns)
+    e, e1, e2 = envelope(constants, v, v1, v2)
+    shaking(layout, bank, t_ns, waves, shake)
+    swell(shake, e, e1, e2)
+    waves[0, PATH_YAW] = yaw
+    waves[0, PATH_PITCH] = pitch
+    waves[0, BODY_YAW] = yaw + shake[SWAY_YAW, 0]
+    waves[0, BODY_PITCH] = pitch + shake[SWAY_PITCH, 0]
+    waves[0, BODY_ROLL] = roll + shake[SWAY_ROLL, 0]
+    waves[0, PLACE] = out[LATITUDE]
+    for i in range(ANGLES):  # all at once in a vector register
+        waves[0, i], waves[1, i] = sincos_turns(waves[0, i] * TURNS_PER_RADIAN)
+    sl, cl = waves[0, PLACE], waves[1, PLACE]
+    m, n, g = radii_and_gravity(sl, out[HEIGHT])
+    an, ae, ad = add_path(v, v1, yaw1, yaw2, pitch1, pitch2, waves, shake, out)
+    shift_position(1.0 / m, 1.0 / (n * cl), waves, shake, out)
+    add_body(
+        waves,
+        yaw1 + shake[SWAY_YAW, 1],
+        yaw2 + shake[SWAY_YAW, 2],
+        pitch1 + shake[SWAY_PITCH, 1],
+        pitch2 + shake[SWAY_PITCH, 2],
+        roll1 + shake[SWAY_ROLL, 1],
+        roll2 + shake[SWAY_ROLL, 2],
+        out,
     )
-    out[OMEGA_IB], out[OMEGA_IB + 1], out[OMEGA_IB + 2] = x, y, z
-    out[OMEGA_DOT], out[OMEGA_DOT + 1], out[OMEGA_DOT + 2] = x1, y1, z1
-    if tables.constants[CONE_ANGLE] != 0.0:
-        add_coning(tables, t_ns, e, e1, e2, out)
-    add_earth(an, ae, ad, out)
+    if constants[CONE_ANGLE] != 0.0:
+        add_coning(constants, t_ns, e, e1, e2, out)
+    add_earth(an, ae, ad, sl, cl, m, n, g, out)
 
 
 @inner
-def add_earth(an: float, ae: float, ad: float, out: NDArray[np.float64]) -> None:
-    """Complete a row: ω_nb to ω_ib, ω̇_nb to ω̇_ib, and the specific force of the acceleration v̇_n given."""
+def add_path(
+    v: float,
+    v1: float,
+    yaw1: float,
+    yaw2: float,
+    pitch1: float,
+    pitch2: float,
+    angles: Floats,
+    shake: Floats,
+    out: Floats,
+) -> tuple[float, float, float]:
+    """Write v_n and return v̇_n."""
+    sy, sp = angles[0, PATH_YAW], angles[0, PATH_PITCH]
+    cy, cp = angles[1, PATH_YAW], angles[1, PATH_PITCH]
+    x, y, z = -yaw1 * sp, pitch1, yaw1 * cp
+    x1, y1, z1 = -yaw2 * sp - yaw1 * pitch1 * cp, pitch2, yaw2 * cp - yaw1 * pitch1 * sp
+    dx, dy, dz = shake[SHIFT_X, 0], shake[SHIFT_Y, 0], shake[SHIFT_Z, 0]
+    ux, uy, uz = shake[SHIFT_X, 1], shake[SHIFT_Y, 1], shake[SHIFT_Z, 1]
+    cx, cross_y, cz = y * dz - z * dy, z * dx - x * dz, x * dy - y * dx
+    ax = v1 + shake[SHIFT_X, 2] + 2.0 * (y * uz - z * uy) + y1 * dz - z1 * dy + y * cz - z * cross_y
+    ay = z * v + shake[SHIFT_Y, 2] + 2.0 * (z * ux - x * uz) + z1 * dx - x1 * dz + z * cx - x * cz
+    az = -y * v + shake[SHIFT_Z, 2] + 2.0 * (x * uy - y * ux) + x1 * dy - y1 * dx + x * cross_y - y * cx
+    wx, wy, wz = v + ux + cx, uy + cross_y, uz + cz
+    forward = cp * wx + sp * wz
+    out[VELOCITY], out[VELOCITY + 1] = cy * forward - sy * wy, sy * forward + cy * wy
+    out[VELOCITY + 2] = cp * wz - sp * wx
+    forward = cp * ax + sp * az
+    return cy * forward - sy * ay, sy * forward + cy * ay, cp * az - sp * ax
+
+
+@inner
+def shift_position(
+    lat_per_m: float,
+    lon_per_m: float,
+    angles: Floats,
+    shake: Floats,
+    out: Floats,
+) -> None:
+    """Move the position by the vibration."""
+    sy, sp = angles[0, PATH_YAW], angles[0, PATH_PITCH]
+    cy, cp = angles[1, PATH_YAW], angles[1, PATH_PITCH]
+    dx, dy, dz = shake[SHIFT_X, 0], shake[SHIFT_Y, 0], shake[SHIFT_Z, 0]
+    forward = cp * dx + sp * dz
+    out[LATITUDE] += lat_per_m * (cy * forward - sy * dy)
+    out[LONGITUDE] += lon_per_m * (sy * forward + cy * dy)
+    out[HEIGHT] -= cp * dz - sp * dx
+
+
+@inner
+def add_earth(
+    an: float,
+    ae: float,
+    ad: float,
+    sl: float,
+    cl: float,
+    m: float,
+    n: float,
+    g: float,
+    out: Floats,
+) -> None:
+    """Complete a row: ω_nb to ω_ib, ω̇_nb to ω̇_ib, and the specific force of the acceleration v̇_n given.
+
+    `m`, `n`: radii plus height, `g`: gravity, `sl`, `cl`: sine and cosine of the latitude.
+    """
     vn, ve, vd = out[VELOCITY], out[VELOCITY + 1], out[VELOCITY + 2]
-    sl, cl = sincos(out[LATITUDE])
-    m, n = radii(sl)
-    m += out[HEIGHT]
-    n += out[HEIGHT]
+    by_m, by_n = 1.0 / m, 1.0 / n
     tan = sl / cl
     ie_n, ie_d = EARTH_RATE * cl, -EARTH_RATE * sl
-    en_n, en_e, en_d = ve / n, -vn / m, -ve * tan / n
+    en_n, en_e, en_d = ve * by_n, -vn * by_m, -ve * tan * by_n
     tn, te, td = 2.0 * ie_n + en_n, en_e, 2.0 * ie_d + en_d
     fn = an + te * vd - td * ve
     fe = ae + td * vn - tn * vd
-    fd = ad + tn * ve - te * vn - gravity(sl, out[HEIGHT])
+    fd = ad + tn * ve - te * vn - g
     in_n, in_d = ie_n + en_n, ie_d + en_d
     x, y, z = out[OMEGA_IB], out[OMEGA_IB + 1], out[OMEGA_IB + 2]
-    rate = vn / m
-    dn = ae / n - EARTH_RATE * sl * rate
-    de = -an / m
-    dd = -(ae * tan + ve * rate / (cl * cl)) / n - EARTH_RATE * cl * rate
+    rate = vn * by_m
+    dn = ae * by_n - EARTH_RATE * sl * rate
+    de = -an * by_m
+    dd = -(ae * tan + ve * rate * (1.0 + tan * tan)) * by_n - EARTH_RATE * cl * rate
     ix = out[C_NB] * in_n + out[C_NB + 3] * en_e + out[C_NB + 6] * in_d
     iy = out[C_NB + 1] * in_n + out[C_NB + 4] * en_e + out[C_NB + 7] * in_d
     iz = out[C_NB + 2] * in_n + out[C_NB + 5] * en_e + out[C_NB + 8] * in_d

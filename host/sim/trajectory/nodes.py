@@ -5,7 +5,7 @@
 v_n(t) does not depend on the position, so that one step is Gauss–Legendre collocation with three stages
 (order 6): the stages' displacements come from the velocities by the Butcher matrix, the radii from these.
 Between nodes the Hermite cubic of positions and rates errs by less than snap · step⁴ / 384: under 1 µm at
-the steps chosen in `host.sim.trajectory.motion`.
+the step chosen in `host.sim.trajectory.motion`.
 """
 
 from __future__ import annotations
@@ -13,13 +13,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from host.sim.compiled import entry, inner
 from host.sim.earth import radii
 from host.sim.sine import sincos
-from host.sim.trajectory.kinematics import find_pieces, path_velocity
-from host.sim.trajectory.tables import MotionTables
+from host.sim.trajectory.kinematics import Floats, Integers, find_pieces, path_velocity
 
 _ROOT15 = math.sqrt(15.0)
 STAGES = np.array([0.5 - _ROOT15 / 10.0, 0.5, 0.5 + _ROOT15 / 10.0])
@@ -43,27 +41,26 @@ def rates_at(lat: float, h: float, vn: float, ve: float) -> tuple[float, float]:
 
 @entry
 def integrate_nodes(
-    tables: MotionTables, start_ns: int, shift: int, position: NDArray[np.float64], out: NDArray[np.float64]
+    layout: Integers, c: Floats, start_ns: int, shift: int, position: Floats, out: Floats
 ) -> None:
     """Fill `out` (n + 1, 6) = lat, lon, h and their rates at start_ns + k · 2^shift, from `position` on."""
-    row = tables.first[:4].copy()
-    scratch = np.empty(tables.bank.shape[1])
+    row = layout[:4].copy()
     velocity = np.empty((3, 3))
     step_ns = 1 << shift
     step = step_ns * 1e-9
     lat, lon, h = position[0], position[1], position[2]
     for k in range(out.shape[0]):
         t_ns = start_ns + k * step_ns
-        find_pieces(tables, t_ns, row)
-        vn, ve, vd = path_velocity(tables, row, t_ns, scratch)
+        find_pieces(layout, t_ns, row)
+        vn, ve, vd = path_velocity(layout, c, row, t_ns)
         lat_rate, lon_rate = rates_at(lat, h, vn, ve)
         out[k, 0], out[k, 1], out[k, 2] = lat, lon, h
         out[k, 3], out[k, 4], out[k, 5] = lat_rate, lon_rate, -vd
         for i in range(3):
             at_ns = t_ns + int(step_ns * STAGES[i])
-            find_pieces(tables, at_ns, row)
-            velocity[i, 0], velocity[i, 1], velocity[i, 2] = path_velocity(tables, row, at_ns, scratch)
-        m, n = radii(sincos(lat)[0])
+            find_pieces(layout, at_ns, row)
+            velocity[i, 0], velocity[i, 1], velocity[i, 2] = path_velocity(layout, c, row, at_ns)
+        m = radii(sincos(lat)[0])[0]
         lat_sum, lon_sum, h_sum = 0.0, 0.0, 0.0
         for i in range(3):
             north, down = 0.0, 0.0
@@ -82,9 +79,7 @@ def integrate_nodes(
 
 
 @inner
-def position_at(
-    nodes: NDArray[np.float64], start_ns: int, shift: int, t_ns: int, out: NDArray[np.float64]
-) -> None:
+def position_at(nodes: Floats, start_ns: int, shift: int, t_ns: int, out: Floats) -> None:
     """Latitude, longitude and height at an instant that lies between the nodes, into out[0 … 2]."""
     k = (t_ns - start_ns) >> shift
     step_ns = 1 << shift
