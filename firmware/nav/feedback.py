@@ -1,0 +1,86 @@
+"""Closed loop: the estimated error goes into the state, and the filter's own error estimate back to zero.
+
+    r += δr    v += δv    q_nb ← q(φ) ⊗ q_nb    parameters += theirs
+
+After a large rotation φ̂ the attitude error is measured from other axes: its rows of U turn by I − [φ̂×]/2
+(Markley, Attitude error representations for Kalman filtering, JGCD 26 (2003), first order).
+"""
+
+import numpy as np
+
+from firmware.nav import layout as at
+from firmware.nav.covariance import retriangularise
+from firmware.nav.history import log_correction
+from firmware.nav.prediction import begin_interval
+from firmware.nav.strapdown import move, set_attitude
+from firmware.numerics.dialect import kernel
+from firmware.numerics.quaternion import quaternion_of_rotation, quaternion_product
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+N = np.int32(at.STATES)
+NX = np.int32(at.DYNAMIC_STATES)
+LARGE_ROTATION_SQUARE = np.float32(0.02 * 0.02)
+LARGEST = np.float32(1.0e7)
+
+
+@kernel
+def clear_correction(f):
+    """Nothing estimated yet."""
+    for j in range(N):
+        f[at.CORRECTION + j] = ZERO
+
+
+@kernel
+def correction_is_sound(f):
+    """Whether every estimated error is finite."""
+    total = ZERO
+    for j in range(N):
+        total += abs(f[at.CORRECTION + j])
+    return total < LARGEST
+
+
+@kernel
+def feed_back(f, i):
+    """Apply layout.CORRECTION to the state; call right after a prediction of the covariance."""
+    c = at.CORRECTION
+    log_correction(f, i)
+    move(f, i, f[c], f[c + 1], f[c + 2])
+    for k in range(np.int32(3)):
+        f[at.VELOCITY + k] += f[c + at.X_VELOCITY + k]
+    px = f[c + at.X_ATTITUDE]
+    py = f[c + at.X_ATTITUDE + 1]
+    pz = f[c + at.X_ATTITUDE + 2]
+    bw, bx, by, bz = quaternion_of_rotation(px, py, pz)
+    w, x, y, z = quaternion_product(
+        bw, bx, by, bz, f[at.QUATERNION], f[at.QUATERNION + 1], f[at.QUATERNION + 2], f[at.QUATERNION + 3]
+    )
+    set_attitude(f, w, x, y, z)
+    for k in range(np.int32(at.PARAMETERS)):
+        f[at.GYRO_BIAS + k] += f[c + at.X_GYRO_BIAS + k]
+    if px * px + py * py + pz * pz > LARGE_ROTATION_SQUARE:
+        _turn_attitude_error(f, HALF * px, HALF * py, HALF * pz)
+    begin_interval(f)
+
+
+@kernel
+def _turn_attitude_error(f, x, y, z):
+    """φ → φ − (x, y, z) × φ in every column of U."""
+    for j in range(N):
+        u = at.U + j * at.STATES
+        w = u if j >= NX else at.WORK + j * 9
+        if j < NX:
+            for k in range(NX):
+                f[w + k] = f[u + k] if k < j else ZERO
+            f[w + j] = ONE
+            f[at.WORK_WEIGHT + j] = f[at.D + j]
+        a = f[w + 6]
+        b = f[w + 7]
+        c = f[w + 8]
+        f[w + 6] = a - (y * c - z * b)
+        f[w + 7] = b - (z * a - x * c)
+        f[w + 8] = c - (x * b - y * a)
+    for j in range(np.int32(at.WORK_COLUMNS - at.DYNAMIC_STATES)):
+        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + j] = ZERO
+    retriangularise(f)

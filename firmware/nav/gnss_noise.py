@@ -1,0 +1,64 @@
+"""How good a GNSS epoch is: variances of its position and velocity, from the floor and the receiver's claims.
+
+The receiver's error is modelled as white (layout row variance R) plus correlated (a state of the filter). A
+claimed accuracy that exceeds both together adds its excess to R; one that is better is not believed. Without
+a claim, the dilution of precision scales the error.
+"""
+
+import numpy as np
+
+from firmware.drivers import gnss_epoch as gnss
+from firmware.nav import layout as at
+from firmware.nav import tuning as cfg
+from firmware.numerics.dialect import kernel
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+MILLI = np.float32(1.0e-3)
+CENTI = np.float32(1.0e-2)
+LONGEST_MM = np.int64(1_000_000)
+
+
+@kernel
+def position_variances(f, e):
+    """Of each horizontal axis and of the vertical, m²."""
+    white = f[cfg.POSITION_VARIANCE]
+    correlated = f[cfg.POSITION_ERROR_VARIANCE_H]
+    horizontal = _variance(
+        white, correlated, e, HALF * _square_mm(e[gnss.H_ACC_MM]), e[gnss.HDOP_CENTI], f[cfg.PER_GOOD_HDOP]
+    )
+    white *= f[cfg.VERTICAL_FACTOR_SQUARE]
+    correlated = f[cfg.POSITION_ERROR_VARIANCE_V]
+    dop = e[gnss.VDOP_CENTI] if e[gnss.VDOP_CENTI] > 0 else e[gnss.HDOP_CENTI]
+    vertical = _variance(white, correlated, e, _square_mm(e[gnss.V_ACC_MM]), dop, f[cfg.PER_GOOD_HDOP] * HALF)
+    jitter = f[cfg.TIME_TAG_VARIANCE] * _speed_square(f)
+    return horizontal + jitter, vertical
+
+
+@kernel
+def _variance(white, correlated, e, claimed_square, dop_centi, per_good_dop):
+    if e[gnss.FLAGS] & gnss.HAS_ACCURACY:
+        return white + max(claimed_square - white - correlated, ZERO)
+    scale = max(np.float32(np.int32(dop_centi)) * CENTI * per_good_dop, ONE)
+    return scale * scale * (white + correlated) - correlated
+
+
+@kernel
+def _square_mm(value):
+    metres = np.float32(np.int32(min(value, LONGEST_MM))) * MILLI
+    return metres * metres
+
+
+@kernel
+def _speed_square(f):
+    return f[at.VELOCITY] * f[at.VELOCITY] + f[at.VELOCITY + 1] * f[at.VELOCITY + 1]
+
+
+@kernel
+def speed_variance(f, e):
+    """Of each axis of a velocity, and of speed over ground, (m/s)²."""
+    variance = f[cfg.GNSS_VELOCITY_VARIANCE]
+    if e[gnss.FLAGS] & gnss.HAS_ACCURACY:
+        variance = max(variance, _square_mm(e[gnss.S_ACC_MMPS]))
+    return variance

@@ -1,0 +1,181 @@
+"""Prediction of the covariance over the time since the last one, in one go: five to ten times a second.
+
+Error model (n frame, truth minus estimate; C_n_b_true = (I + [φ×]) C_n_b):
+
+    δr' = δv
+    δv' = −f_n × φ − C_n_b δb_a
+    φ'  = −ω_in × φ − C_n_b (δb_g + ω_z δs)          s: response of the three gyros to the yaw rate
+
+over the interval T, with ∫f_n dt = Δv − g T from the velocities at its ends (exact, whatever the motion
+between), the mean C_n_b of its ends, ∫ω_z dt summed, and the trapezoid for what each row feeds to the next.
+Left out, because below 1e-6 of what MEMS sensors do: Coriolis and transport terms in δv and δr, gravity
+gradient, and the error of the transport rate. Groves, Principles of GNSS, Inertial, and Multisensor
+Integrated Navigation Systems, 2nd ed., section 14.2.4.
+
+Parameters: biases and yaw response walk; the correlated GNSS error is a first-order Gauss-Markov process.
+Their noise is added once a second, a sum of rank-one terms.
+"""
+
+import numpy as np
+
+from firmware.nav import layout as at
+from firmware.nav import tuning as cfg
+from firmware.nav.covariance import add_variance, retriangularise, scale_state
+from firmware.numerics.dialect import kernel
+
+ZERO = np.float32(0.0)
+HALF = np.float32(0.5)
+ONE = np.float32(1.0)
+PARAMETER_PERIOD = np.float32(0.95)
+LEAST_DECAY = np.float32(0.1)
+N = np.int32(at.STATES)
+NX = np.int32(at.DYNAMIC_STATES)
+THREE = np.int32(3)
+SIX = np.int32(6)
+
+
+@kernel
+def begin_interval(f):
+    """The next prediction starts from the present state."""
+    f[at.SINCE_TIME] = ZERO
+    f[at.SINCE_YAW_ANGLE] = ZERO
+    for k in range(THREE):
+        f[at.SINCE_VELOCITY + k] = f[at.VELOCITY + k]
+    for k in range(np.int32(9)):
+        f[at.SINCE_C_N_B + k] = f[at.C_N_B + k]
+    f[at.LOST_ANGLE] = ZERO
+    f[at.LOST_VELOCITY] = ZERO
+    f[at.LOST_POSITION] = ZERO
+
+
+@kernel
+def predict(f):
+    """Carry the covariance to the present; parameters too, when a second has passed."""
+    t = f[at.SINCE_TIME]
+    if t > ZERO:
+        _map_columns(f, t)
+        _set_noise(f, t)
+        retriangularise(f)
+        if f[at.LOST_POSITION] > ZERO:
+            for k in range(THREE):
+                add_variance(f, at.X_POSITION + k, f[at.LOST_POSITION])
+        f[at.PARAMETER_TIME] += t
+        begin_interval(f)
+    if f[at.PARAMETER_TIME] > PARAMETER_PERIOD:
+        _walk_parameters(f, f[at.PARAMETER_TIME])
+        f[at.PARAMETER_TIME] = ZERO
+
+
+@kernel
+def _map_columns(f, t):
+    """Each column of U is an error state of its own: move it over the interval."""
+    c00, c01, c02, c10, c11, c12, c20, c21, c22 = _mean_attitude(f)
+    half_t = HALF * t
+    yaw = f[at.SINCE_YAW_ANGLE]
+    # ∫f_n dt: only gravity is taken off, the rest of the velocity equation is far below its noise
+    sx = f[at.VELOCITY] - f[at.SINCE_VELOCITY]
+    sy = f[at.VELOCITY + 1] - f[at.SINCE_VELOCITY + 1]
+    sz = f[at.VELOCITY + 2] - f[at.SINCE_VELOCITY + 2] - f[at.GRAVITY] * t
+    north = (f[at.EARTH_RATE_N] + f[at.VELOCITY + 1] * f[at.PER_NORMAL_RADIUS]) * t
+    east = -f[at.VELOCITY] * f[at.PER_MERIDIAN_RADIUS] * t
+    down = (f[at.EARTH_RATE_D] - f[at.VELOCITY + 1] * f[at.PER_NORMAL_RADIUS] * f[at.TAN_LATITUDE]) * t
+    for j in range(N):
+        u = at.U + j * at.STATES
+        w = u if j >= NX else at.WORK + j * 9
+        if j < NX:
+            for k in range(NX):
+                f[w + k] = f[u + k] if k < j else ZERO
+            f[w + j] = ONE
+            f[at.WORK_WEIGHT + j] = f[at.D + j]
+        px = f[w + 6]
+        py = f[w + 7]
+        pz = f[w + 8]
+        ax = px - (east * pz - down * py)
+        ay = py - (down * px - north * pz)
+        az = pz - (north * py - east * px)
+        bx = ZERO
+        by = ZERO
+        bz = ZERO
+        if j >= NX:
+            gx = t * _entry(f, j, at.X_GYRO_BIAS) + yaw * _entry(f, j, at.X_YAW_RESPONSE)
+            gy = t * _entry(f, j, at.X_GYRO_BIAS + 1) + yaw * _entry(f, j, at.X_YAW_RESPONSE + 1)
+            gz = t * _entry(f, j, at.X_GYRO_BIAS + 2) + yaw * _entry(f, j, at.X_YAW_RESPONSE + 2)
+            ax -= c00 * gx + c01 * gy + c02 * gz
+            ay -= c10 * gx + c11 * gy + c12 * gz
+            az -= c20 * gx + c21 * gy + c22 * gz
+            dx = t * _entry(f, j, at.X_ACCEL_BIAS)
+            dy = t * _entry(f, j, at.X_ACCEL_BIAS + 1)
+            dz = t * _entry(f, j, at.X_ACCEL_BIAS + 2)
+            bx = c00 * dx + c01 * dy + c02 * dz
+            by = c10 * dx + c11 * dy + c12 * dz
+            bz = c20 * dx + c21 * dy + c22 * dz
+        f[w + 6] = ax
+        f[w + 7] = ay
+        f[w + 8] = az
+        mx = HALF * (px + ax)
+        my = HALF * (py + ay)
+        mz = HALF * (pz + az)
+        vx = f[w + 3]
+        vy = f[w + 4]
+        vz = f[w + 5]
+        nx = vx - (sy * mz - sz * my) - bx
+        ny = vy - (sz * mx - sx * mz) - by
+        nz = vz - (sx * my - sy * mx) - bz
+        f[w + 3] = nx
+        f[w + 4] = ny
+        f[w + 5] = nz
+        f[w] += half_t * (vx + nx)
+        f[w + 1] += half_t * (vy + ny)
+        f[w + 2] += half_t * (vz + nz)
+
+
+@kernel
+def _entry(f, column, row):
+    """U[row, column], diagonal and lower triangle included."""
+    if row < column:
+        return f[at.U + column * at.STATES + row]
+    return ONE if row == column else ZERO
+
+
+@kernel
+def _mean_attitude(f):
+    return (
+        HALF * (f[at.SINCE_C_N_B] + f[at.C_N_B]),
+        HALF * (f[at.SINCE_C_N_B + 1] + f[at.C_N_B + 1]),
+        HALF * (f[at.SINCE_C_N_B + 2] + f[at.C_N_B + 2]),
+        HALF * (f[at.SINCE_C_N_B + 3] + f[at.C_N_B + 3]),
+        HALF * (f[at.SINCE_C_N_B + 4] + f[at.C_N_B + 4]),
+        HALF * (f[at.SINCE_C_N_B + 5] + f[at.C_N_B + 5]),
+        HALF * (f[at.SINCE_C_N_B + 6] + f[at.C_N_B + 6]),
+        HALF * (f[at.SINCE_C_N_B + 7] + f[at.C_N_B + 7]),
+        HALF * (f[at.SINCE_C_N_B + 8] + f[at.C_N_B + 8]),
+    )
+
+
+@kernel
+def _set_noise(f, t):
+    """Variances that velocity and attitude gain over the interval."""
+    ax = f[at.VELOCITY] - f[at.SINCE_VELOCITY]
+    ay = f[at.VELOCITY + 1] - f[at.SINCE_VELOCITY + 1]
+    manoeuvre = (ax * ax + ay * ay) * f[cfg.MANOEUVRE_VARIANCE] / t
+    velocity = f[cfg.VELOCITY_WALK_VARIANCE] * t + manoeuvre + f[at.LOST_VELOCITY]
+    attitude = f[cfg.ANGLE_WALK_VARIANCE] * t + f[at.LOST_ANGLE]
+    for k in range(THREE):
+        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + k] = velocity
+        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + 3 + k] = attitude
+
+
+@kernel
+def _walk_parameters(f, t):
+    """Process noise of the parameters over t; the GNSS error decays towards zero."""
+    decay = max(ONE - t * f[cfg.PER_POSITION_ERROR_TIME], LEAST_DECAY)
+    grown = ONE - decay * decay
+    for k in range(THREE):
+        state = at.X_GNSS_ERROR + k
+        scale_state(f, state, decay)
+        f[at.GNSS_ERROR + k] *= decay
+        variance = f[cfg.POSITION_ERROR_VARIANCE_H] if k < 2 else f[cfg.POSITION_ERROR_VARIANCE_V]
+        add_variance(f, state, grown * variance)
+    for k in range(THREE):
+        add_variance(f, at.X_GYRO_BIAS + k, t * f[cfg.GYRO_BIAS_WALK_VARIANCE])
+        add_variance(f, at.X_ACCEL_BIAS + k, t * f[cfg.ACCEL_BIAS_WALK_VARIANCE])
