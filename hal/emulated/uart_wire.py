@@ -95,7 +95,7 @@ class UartWire:
 
     def abort(self) -> None:
         """The transmitter stops at once; the byte under way is lost with everything behind it."""
-        self._lose_from(self._frame_under_way())
+        self._lose_from(self._frame_under_way()[0])
         self._end = self.time.now
         self._queue.clear()
         self._to_step.clear()
@@ -126,7 +126,10 @@ class UartWire:
         if fault.frame_by_frame and not self._stepping:
             self._go_step_by_step()
         if fault.breaks_frame:
-            self._lose_from(self._frame_under_way())
+            begin, value = self._frame_under_way()
+            self._lose_from(begin)
+            if value is not None:
+                fault.frame(value)
 
     def end_fault(self, fault: LineFault) -> None:
         """`fault` has passed. The line goes on byte by byte until it is idle."""
@@ -169,16 +172,16 @@ class UartWire:
         while queue and queue[0].end <= now:
             queue.popleft()
 
-    def _frame_under_way(self) -> int:
-        """Beginning of the byte that is on the line now, or now."""
+    def _frame_under_way(self) -> tuple[int, int | None]:
+        """Beginning and value of the byte that is on the line, or (now, None)."""
         self._forget_sent()
         now = self.time.now
         if self._queue:
             piece = self._queue[0]
             ended = piece.ended_by(now)
             if piece.begun_before(now) > ended:
-                return piece.begin_of(ended)
-        return now
+                return piece.begin_of(ended), piece.data[ended]
+        return now, None
 
     def _lose_from(self, begin: int) -> None:
         for receiver in self._receivers:
