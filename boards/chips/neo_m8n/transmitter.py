@@ -35,6 +35,7 @@ class Transmitter:
         self.capacity = capacity
         self._time = time
         self._line = line
+        self._abort: Callable[[], None] | None = getattr(line, "abort", None)
         self._overrun_text = overrun_text
         self._idle_at_ns = 0
         self._waiting: list[bytes] = []
@@ -50,12 +51,15 @@ class Transmitter:
         self._next_text_ns = None
 
     def stop(self) -> None:
-        """The supply or a reset takes the port away: what waits is lost."""
+        """The supply or a reset takes the port away: what waits is lost, and what a line that can stop
+        at once (`abort`) has not sent yet."""
         for event in (self._change, self._when_idle):
             if event is not None:
                 event.cancel()
         self._change = self._when_idle = None
         self._waiting.clear()
+        if self._abort is not None:
+            self._abort()
 
     def queued(self) -> int:
         """Bytes that have not left yet."""
