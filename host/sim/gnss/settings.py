@@ -11,7 +11,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from host.sim.schema import NotNegative, Positive, Table
+from host.sim.schema import NotNegative, Table
 
 
 class GnssSettings(Table):
@@ -30,5 +30,3 @@ class GnssSettings(Table):
         default=["GPS", "GLONASS"], min_length=1, examples=[["GPS", "GLONASS"]]
     )
     elevation_mask_deg: float = Field(default=5.0, ge=0.0, le=60.0, examples=[5.0])
-    rate_hz: Positive | None = Field(default=None, le=10.0, examples=[5.0])
-    """Recordings only: rate at which the recorded solutions are handed out."""

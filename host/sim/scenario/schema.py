@@ -125,6 +125,7 @@ class RecordingSource(Table):
 
     file: str = Field(min_length=1, examples=["comma2k19/example_1.npz"])
     gyro: Literal["uncalibrated", "calibrated"] = "uncalibrated"
+    geoid_separation_m: float = Field(default=0.0, ge=-120.0, le=100.0, examples=[-32.0])
 
 
 @dataclass(frozen=True)
