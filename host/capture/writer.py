@@ -126,6 +126,8 @@ class CaptureWriter:
 
     def abandon(self) -> None:
         """Write out what there is and leave it under its provisional name: the run did not reach its end."""
+        if self._file.closed:
+            return
         self._flush()
         self._writer.finish()
         self._file.close()

@@ -18,8 +18,7 @@ def write_whole(path: Path, content: str | bytes, option: str = "") -> None:
         part.write_bytes(data)
         part.replace(path)
     except OSError as error:
-        part_is_ours = part.is_file() and not path.is_dir()
-        if part_is_ours:
-            part.unlink(missing_ok=True)
+        if part.is_file():
+            part.unlink()
         where = f"{option} {path}" if option else str(path)
         raise UserError(f"{where}: cannot be written: {error.strerror}") from None

@@ -107,6 +107,8 @@ class TaskTrace:
 
     processor: str
     names: tuple[str, ...]
+    tasks: NDArray[np.int64]
+    """Of each activation, the place of its task in `names`."""
     starts: Floats
     ends: Floats
 

@@ -66,7 +66,8 @@ def verdict(result: RunResult) -> str:
 def limit_text(expectation: Expectation) -> str:
     """The limit as it is shown: `≤ 0.1`, or `≤ 1.93 (gnss.position_horizontal_rms_m)`."""
     sign = {"<=": "≤", ">=": "≥"}[expectation.relation]
-    text = f"{sign} {number(expectation.limit)}"
+    exact = expectation.limit is not None and expectation.limit_name is None
+    text = f"{sign} {expectation.limit:g}" if exact else f"{sign} {number(expectation.limit)}"
     return text if expectation.limit_name is None else f"{text} ({expectation.limit_name})"
 
 
@@ -123,9 +124,11 @@ def _outages(result: RunResult) -> Section:
         )
         for one in result.outages
     )
-    columns = ("start, s", "duration, s", "horizontal error at start, m", "at end, m", "vertical at end, m")
+    columns = ("start, s", "duration, s", "error at start, m", "at end, m", "vertical, m")
     median = result.metrics.get("outage_horizontal_drift_median_m")
-    note = f"median at the end: {number(median, 'm')}" if median is not None else ""
+    note = "horizontal position error when GNSS goes and when it comes back"
+    if median is not None:
+        note += f"; median at the end {number(median, 'm')}"
     return Section("GNSS outages", columns, rows, words=0, note=note)
 
 
@@ -169,8 +172,8 @@ def _processors(result: RunResult) -> Section:
         )
         for cpu in result.cpu
     )
-    columns = ("processor", "load", "deadline misses", "overruns", "worst stack, bytes", "resets")
-    return Section("Processors", columns, rows)
+    columns = ("processor", "load", "misses", "overruns", "stack, bytes", "resets")
+    return Section("Processors", columns, rows, note="deadline misses; worst stack of nested interrupts")
 
 
 def _tasks(result: RunResult) -> Section:
