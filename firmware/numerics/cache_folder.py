@@ -18,7 +18,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-FOLDERS_KEPT = 12
+FOLDERS_KEPT = 30  # about 1 MB each
 _PACKAGE_ROOT = Path(__file__).resolve().parents[2]
 _DECORATOR_USED = re.compile(r"^@kernel\b", re.MULTILINE)
 _IMPORT = re.compile(r"^\s*(?:from|import)\s+([\w.]+)", re.MULTILINE)

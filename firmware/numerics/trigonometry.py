@@ -128,7 +128,7 @@ def arc_tangent2(y, x):
     angle = t + t * (z * p)
     if ay > ax:
         angle = (HALF_PI - angle) + HALF_PI_TAIL
-    if math.copysign(ONE, x) < ZERO:
+    if np.float32(math.copysign(ONE, x)) < ZERO:
         angle = (PI - angle) + TWO * HALF_PI_TAIL
     return np.float32(math.copysign(angle, y))
 

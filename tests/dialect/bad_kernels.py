@@ -259,21 +259,21 @@ def odd(n):
     return np.int64(0) if n == 0 else even(n - 1)
 
 
-# source: 64-bit loop; host: 64-bit loop
+# source: 64-bit loop; target: 64-bit loop
 @kernel("void(float32[::1])")
 def wide_loop(p):
     for i in range(8):
         p[i] = ZERO
 
 
-# source: 64-bit loop; host: 64-bit loop
+# source: 64-bit loop; target: 64-bit loop
 @kernel("void(float32[::1])")
 def wide_loop_of_constant(p):
     for i in range(SIZE):
         p[i] = ZERO
 
 
-# host: 64-bit loop
+# target: 64-bit loop
 @kernel("void(float32[::1], int64)")
 def wide_loop_of_variable(p, n):
     for i in range(n & 7):
@@ -329,7 +329,7 @@ def endless(n):
     return n
 
 
-# host: no signature
+# target: no signature
 @kernel
 def never_called(x):
     return x

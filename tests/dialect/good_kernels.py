@@ -73,3 +73,8 @@ def clamped_cast(x):
     if x != x:
         return np.int32(0)
     return np.int32(min(max(x, -HALF), HALF))
+
+
+@kernel("boolean(uint8[::1], int64)")
+def letter(p, n):
+    return p[n & 7] == ord("A")

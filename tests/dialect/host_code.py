@@ -1,6 +1,6 @@
 """What numba made of the kernels for this PC: optimised IR, machine code and the types it found."""
 
-import re
+import functools
 from collections.abc import Iterable, Iterator
 from typing import Any
 
@@ -24,13 +24,29 @@ def compile_problem(built: Built) -> Problem | None:
 def problems(built: Built) -> Iterator[Problem]:
     """Float64 and fused multiply-adds in the code of one compiled kernel and of all it calls."""
     result = next(iter(built.made.overloads.values()))
-    ir = _reachable_ir(str(result.library._final_module), result.fndesc.mangled_name)
+    # The optimised code as it is kept in the cache, for other kernels to be linked with.
+    module = llvm.parse_assembly(str(result.library._get_module_for_linking()))
+    for function in module.functions:
+        if not function.is_declaration:
+            function.linkage = "external" if function.name == result.fndesc.mangled_name else "internal"
+    machine = _this_machine()
+    remove_unreachable(machine, module)
+    ir = str(module)
     yield from double_problems(built.name, "optimised", ir)
-    yield from fused_problems(built.name, ir, result.library.get_asm_str())
+    yield from fused_problems(built.name, ir, machine.emit_assembly(module))
+
+
+@functools.cache
+def _this_machine() -> Any:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_default_triple()
+    features = llvm.get_host_cpu_features().flatten()
+    return target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=features, opt=3)
 
 
 def problems_of_all(built: Iterable[Built]) -> Iterator[Problem]:
-    """Kernels that nothing compiled, and loops with 64-bit counters; after all others were compiled."""
+    """Kernels that nothing compiled, and loops with 64-bit counters; after all others were compiled here."""
     for one in built:
         if not one.made.overloads:
             advice = "declare its signature, or remove it: no kernel with a signature calls it"
@@ -48,17 +64,3 @@ def _line(result: Any, variable: str) -> str:
             if variable in {var.name for var in statement.list_vars()}:
                 return f"line {statement.loc.line}"
     return "line ?"
-
-
-def _reachable_ir(ir: str, entry: str) -> str:
-    """IR of the entry and what it calls, without numba's Python wrappers."""
-    module = llvm.parse_assembly(ir)
-    for function in module.functions:
-        if not function.is_declaration and function.name != entry:
-            function.linkage = "internal"
-    for value in module.global_variables:
-        if re.match(r"\.const\.|_ZN08NumbaEnv", value.name):
-            value.linkage = "internal"
-    machine = llvm.Target.from_default_triple().create_target_machine()
-    remove_unreachable(machine, module)
-    return str(module)

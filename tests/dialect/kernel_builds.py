@@ -35,18 +35,29 @@ class Built:
     made: Any
 
 
-def kernel_modules() -> list[str]:
-    """Names of all firmware modules whose source decorates a kernel."""
+def kernel_modules(package: str = "firmware") -> list[str]:
+    """Names of all modules at or below `package` whose source decorates a kernel."""
     names = []
     for module in pkgutil.walk_packages(firmware.__path__, "firmware."):
         specification = importlib.util.find_spec(module.name)
         assert specification is not None
         assert specification.origin is not None, f"{module.name} has no source: an __init__.py is missing"
-        if module.name in NOT_ON_BOARD:
+        if module.name in NOT_ON_BOARD or not f"{module.name}.".startswith(f"{package}."):
             continue
         if DECORATED.search(Path(specification.origin).read_text(encoding="utf-8")):
             names.append(module.name)
     return names
+
+
+def registered_product(package: str = "firmware") -> dict[str, Built]:
+    """Every kernel below `package` as the product itself runs it."""
+    for module in kernel_modules(package):
+        importlib.import_module(module)
+    return {
+        kernel.name: Built(kernel.name, kernel.function, kernel.signature, kernel.callable)
+        for kernel in dialect.registered_kernels()
+        if kernel.name.startswith(package + ".") and kernel.function.__module__ not in NOT_ON_BOARD
+    }
 
 
 def build_product(variant: str, decorate: Decorate, package: str = "firmware") -> dict[str, Built]:
@@ -60,9 +71,8 @@ def build_product(variant: str, decorate: Decorate, package: str = "firmware") -
         return made
 
     modules = KernelVariant(variant, make)
-    for module in kernel_modules():
-        if module == package or module.startswith(package + "."):
-            modules.load(module)
+    for module in kernel_modules(package):
+        modules.load(module)
     return built
 
 

@@ -23,7 +23,7 @@ SCALAR_TYPES = {
 }  # fmt: skip
 WRAPPED_MATH = {math.sqrt, math.copysign}
 PLAIN_MATH = {math.isnan, math.isinf, math.isfinite}
-ALLOWED_BUILTINS = {abs, min, max, range, bool}
+ALLOWED_BUILTINS = {abs, min, max, range, bool, ord}
 
 # What a construct is called, and what to write instead.
 FORBIDDEN_NODES: dict[type[ast.AST], tuple[str, str]] = {
@@ -160,6 +160,8 @@ class _KernelSource:
             self._check_index(node)
         elif isinstance(node, ast.Call):
             self._check_call(node, parent)
+            if self._value(node.func) is ord and isinstance(node.args[0], ast.Constant):
+                return
         for child in ast.iter_child_nodes(node):
             self._visit(child, node)
 

