@@ -3,7 +3,8 @@
 Whoever touches a chip in a way that its documents do not cover (an address without a register, a reserved
 bit, a write to a read-only register) or that its model leaves out (a tagged field) leaves a report. The
 first of its kind is kept with its time, further ones are counted; listeners hear of every one. In strict
-mode the report is raised as `UndocumentedAccessError` instead.
+mode the report is raised as `UndocumentedAccessError` too, unless the documents say what the chip does
+then (a command dropped with an error flag).
 """
 
 from __future__ import annotations
@@ -59,6 +60,10 @@ class ReportKind(Enum):
     DROPPED = "command dropped"
 
 
+DOCUMENTED_REACTIONS = frozenset({ReportKind.DROPPED})
+"""Reported, never raised."""
+
+
 @dataclass(slots=True)
 class AccessReport:
     """One kind of access that was reported: where, what, when first, how often."""
@@ -107,7 +112,7 @@ class AccessLog:
             report.count += 1
         for listener in self.listeners:
             listener(report)
-        if self.strict:
+        if self.strict and kind not in DOCUMENTED_REACTIONS:
             raise UndocumentedAccessError(str(report))
 
 
