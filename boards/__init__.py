@@ -1,1 +1,1 @@
-"""Boards: chip models, and one folder per board with its description."""
+"""Boards: chip models, board descriptions, and the assembly that puts them together on virtual time."""

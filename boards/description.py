@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from importlib.resources import files
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -152,8 +152,8 @@ def _must_be_known(kind: str, name: str, known: dict[str, Any], where: str) -> N
 
 def board_names() -> list[str]:
     """The boards that come with navtwin, in alphabetical order."""
-    root = files("boards")
-    return sorted(entry.name for entry in root.iterdir() if entry.joinpath("board.toml").is_file())
+    root = Path(__file__).parent
+    return sorted(entry.name for entry in root.iterdir() if (entry / "board.toml").is_file())
 
 
 def board_folder(name_or_path: str) -> Path:
@@ -164,28 +164,17 @@ def board_folder(name_or_path: str) -> Path:
     if (path / "board.toml").is_file():
         return path
     if name_or_path in board_names():
-        return Path(str(files("boards").joinpath(name_or_path)))
+        return Path(__file__).parent / name_or_path
     known = ", ".join(board_names())
     raise DescriptionError(
-        f"no board {name_or_path!r}: not a folder with a board.toml, and the boards that come along are: {known}"
+        f"no board {name_or_path!r}: not a folder with a board.toml; boards that come along: {known}"
     )
 
 
-def load_board(name_or_path: str, changes: dict[str, Any] | None = None) -> Board:
-    """Load and validate a board. `changes` replaces values by dotted key, e.g. {"pins.timepulse.wired": False}."""
+def load_board(name_or_path: str, edit: Callable[[dict[str, Any]], dict[str, Any]] | None = None) -> Board:
+    """Load and validate a board; `edit` may change its parsed tables before. Raises DescriptionError."""
     path = board_folder(name_or_path) / "board.toml"
     data = read_toml(path)
-    for key, value in (changes or {}).items():
-        _replace(data, key, value, path)
+    if edit is not None:
+        data = edit(data)
     return validated(Board, data, str(path))
-
-
-def _replace(data: dict[str, Any], key: str, value: Any, path: Path) -> None:
-    *parents, last = key.split(".")
-    table = data
-    for part in parents:
-        if not isinstance(table.get(part), dict):
-            known = ", ".join(table)
-            raise DescriptionError(f"{path}: no table {part!r} on the way to board.{key}; there are: {known}")
-        table = table[part]
-    table[last] = value

@@ -15,7 +15,6 @@ CHOICES: dict[str, tuple[Any, ...]] = {
     "gnss_rate_hz": (1, 2, 5, 10),
     "output_rate_hz": (1, 2, 5, 10, 20, 50, 100),
     "precision": ("float32", "float64"),
-    "start": ("rest", "motion"),
 }
 """The values that each setting may take; settings of type bool may be true or false."""
 
@@ -38,8 +37,6 @@ class Settings:
     output_rate_hz: int = 10
     precision: str = "float32"
     """"float64" runs the same kernels in double precision, for error budgets only."""
-    start: str = "rest"
-    """"motion": the run starts under way, so alignment must not wait for a standstill."""
 
     @classmethod
     def of(cls, profile: Mapping[str, Any]) -> Settings:

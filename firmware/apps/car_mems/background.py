@@ -1,0 +1,89 @@
+"""The background loop: configuration, sensor health, log, LED, watchdog. It runs when nothing else does."""
+
+from __future__ import annotations
+
+from firmware.apps.car_mems.acquisition import Acquisition
+from firmware.apps.car_mems.gnss_port import GnssPort
+from firmware.apps.car_mems.navigation import Navigation
+from firmware.apps.car_mems.output import Output
+from firmware.drivers.bmi160 import Outcome
+from hal.board_io import BoardIo
+
+RATE_HZ = 10
+WATCHDOG_NS = 2_000_000_000
+SILENT_TICKS = 3
+"""Ticks without a sample after which the sensor is called silent."""
+START_PAUSE_TICKS = 5
+"""Between two attempts to bring the sensor up."""
+
+
+class Background:
+    """What `main` does after set-up, for ever."""
+
+    def __init__(
+        self,
+        io: BoardIo,
+        navigation: Navigation,
+        gnss: GnssPort,
+        acquisition: Acquisition,
+        output: Output,
+    ) -> None:
+        self._io = io
+        self._navigation = navigation
+        self._gnss = gnss
+        self._acquisition = acquisition
+        self._output = output
+        self._health_cost = io.cpu.cost("health_check")
+        self._tick_line = io.interrupts.attach("background_tick", self._on_tick)
+        self._ticks = 0
+        self._reads_seen = 0
+        self._silent_ticks = 0
+        self._start_after = 0
+
+    def run(self) -> None:
+        """The loop; returns only when the processor is reset or switched off."""
+        io = self._io
+        wait = io.cpu.wait_for_interrupt
+        io.watchdog.start(WATCHDOG_NS)
+        io.timers["background"].start(RATE_HZ, self._tick_line)
+        done = 0
+        while True:
+            wait()
+            if self._ticks == done:
+                continue
+            done = self._ticks
+            io.watchdog.kick()
+            self._gnss.service()
+            self._watch_imu()
+            self._output.write_log()
+            if done % RATE_HZ == 0:
+                self._every_second()
+
+    def _on_tick(self) -> None:
+        self._ticks += 1
+
+    def _watch_imu(self) -> None:
+        """A sensor that has gone silent is started again, one attempt every half second."""
+        acquisition = self._acquisition
+        if acquisition.reads != self._reads_seen:
+            self._reads_seen = acquisition.reads
+            self._silent_ticks = 0
+            return
+        self._silent_ticks += 1
+        if self._silent_ticks >= SILENT_TICKS and self._ticks >= self._start_after:
+            self._restart_imu("silent")
+
+    def _every_second(self) -> None:
+        self._io.cpu.spend(self._health_cost)
+        if self._silent_ticks == 0:
+            found = self._acquisition.chip.check()
+            if found is not Outcome.OK:
+                self._restart_imu(found.value)
+        self._output.send_slow()
+
+    def _restart_imu(self, why: str) -> None:
+        self._start_after = self._ticks + START_PAUSE_TICKS
+        found = self._acquisition.start_chip()
+        self._navigation.restart_sample_clock()
+        detail = self._acquisition.chip.detail
+        self._output.send_text(f"IMU {why}: restarted, {found.value} (0x{detail:02X})")

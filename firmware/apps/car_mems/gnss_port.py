@@ -1,0 +1,102 @@
+"""The receiver's port: bytes from the DMA ring become epochs, epochs become filter updates.
+
+    gnss_receive (interrupt of the port)  parse what has arrived, date a finished epoch
+    filter (task)                         one Kalman update
+    service (background)                  power, configuration, silence behind a burst
+"""
+
+from __future__ import annotations
+
+from firmware.apps.car_mems.gnss_time import GnssTime
+from firmware.apps.car_mems.navigation import Navigation
+from firmware.apps.car_mems.settings import Settings
+from firmware.drivers import gnss_epoch as gnss
+class ReceiverSetup:
+    def __init__(self,**k): pass
+class Configurator:
+    def __init__(self,*a): pass
+    def step(self,n): pass
+from firmware.drivers.receiver_stream import ReceiverStream
+from hal.board_io import BoardIo
+
+POWER_ON_BAUD = 9600
+FAST_BAUD = 115_200
+
+
+class GnssPort:
+    """Owns the port, the time pulse and the epoch that waits for the filter."""
+
+    def __init__(self, io: BoardIo, settings: Settings, navigation: Navigation) -> None:
+        self.stream = ReceiverStream(baud=POWER_ON_BAUD)
+        self.time = GnssTime()
+        self.epoch = gnss.new_epoch()
+        """The latest epoch, dated; the filter's and the output's."""
+        self.epochs = 0
+        self.pulse_dated = False
+        self._uart = io.uart["gnss"]
+        self._now_ns = io.clock.now_ns
+        self._cpu = io.cpu
+        self._parse_cost = io.cpu.cost("parse_byte")
+        self._pulse_cost = io.cpu.cost("timepulse")
+        self._update_cost = io.cpu.cost("filter_update")
+        self._navigation = navigation
+        self._parsed = 0
+        self._enable = io.outputs["gnss_enable"]
+        self._line = io.interrupts.attach("gnss_receive", self._on_bytes)
+        self._filter = io.interrupts.attach("filter", self._on_epoch)
+        self._capture = io.captures.get("timepulse")
+        if self._capture is not None:
+            self._capture.start(io.interrupts.attach("timepulse", self._on_pulse))
+        self.updated = _nobody
+        """Called in the filter task after each update."""
+        self._configurator = Configurator(self._uart, self.stream, _setup(settings))
+
+    def begin(self) -> None:
+        """Listen, then switch the receiver on."""
+        self._uart.start_receive(self.stream.ring, self._line)
+        self._enable.set(True)
+
+    def service(self) -> None:
+        """From the background: next step of the configuration; a silence ends a burst."""
+        self._configurator.step(self._now_ns())
+        self._line.pend()
+
+    def _on_pulse(self) -> None:
+        assert self._capture is not None
+        self.time.take_pulse(*self._capture.captured())
+        self._cpu.spend(self._pulse_cost)
+
+    def _on_bytes(self) -> None:
+        now_ns = self._now_ns()
+        received = self._uart.received()
+        if received > self._parsed:
+            self._cpu.spend(self._parse_cost * (received - self._parsed))
+            self._parsed = received
+        while self.stream.take(received, now_ns):
+            self._date_epoch()
+
+    def _date_epoch(self) -> None:
+        epoch = self.epoch
+        epoch[:] = self.stream.epoch
+        burst_start_ns = int(epoch[gnss.BURST_START_NS])
+        valid_ns, self.pulse_dated = self.time.validity(int(epoch[gnss.TIME_OF_DAY_MS]), burst_start_ns)
+        epoch[gnss.VALID_NS] = valid_ns
+        self.epochs += 1
+        self._filter.pend()
+
+    def _on_epoch(self) -> None:
+        navigation = self._navigation
+        navigation.gnss_step(navigation.f, navigation.i, self.epoch)
+        self._cpu.spend(self._update_cost)
+        self.updated()
+
+
+def _setup(settings: Settings) -> ReceiverSetup | None:
+    """What the receiver is configured to; None: left as it comes."""
+    if settings.receiver == "nmea-default":
+        return None
+    return ReceiverSetup(baud=FAST_BAUD, rate_hz=settings.gnss_rate_hz)
+
+
+def _nobody() -> None:
+    pass

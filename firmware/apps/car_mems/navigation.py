@@ -1,0 +1,106 @@
+"""The navigation task: samples and GNSS epochs go in, the state of the vehicle is kept.
+
+Its memory is two flat arrays, `f` and `i`, laid out by `firmware.nav.layout`; behind what navigation needs
+`i` also holds the sample clock and `f` the ten-sample mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware.apps.car_mems.sample_clock import CLOCK_SIZE, MISSED, REPEATED, reset_clock
+from firmware.apps.car_mems.settings import Settings
+from firmware.apps.car_mems.steps import CLOCK_AT, MEAN_AT, MEAN_SIZE
+from firmware.nav import layout
+from firmware.nav.config import NavConfig, configure
+from firmware.nav.flags import MODE_NAMES
+from firmware.numerics.precision import load
+
+MEAN_SAMPLES = 10
+MEAN_PERIOD = 0.1
+
+
+class Navigation:
+    """State and entry points; every method is one kernel call."""
+
+    def __init__(self, settings: Settings, installation: Mapping[str, Any], pulse_wired: bool) -> None:
+        precision = settings.precision
+        real = np.dtype(precision)
+        self.f: NDArray[Any] = np.zeros(MEAN_AT + MEAN_SIZE, real)
+        self.i: NDArray[np.int64] = np.zeros(CLOCK_AT + CLOCK_SIZE, np.int64)
+        configure(self.f, self.i, nav_config(settings, installation, pulse_wired))
+        reset_clock(self.i, CLOCK_AT)
+        steps = load("firmware.apps.car_mems.steps", precision)
+        solution = load("firmware.nav.solution", precision)
+        self.data_ready_step = steps.data_ready_step
+        self.timer_sample = steps.timer_sample
+        self.gnss_step = load("firmware.nav.gnss", precision).gnss_step
+        self._solution = solution.solution
+        self._covariance = solution.covariance
+        self._innovation = solution.innovation
+        self._biases = solution.biases
+        self.floats = np.zeros(solution.SOLUTION_FLOATS, real)
+        self.integers = np.zeros(solution.SOLUTION_INTEGERS, np.int64)
+        self._covariance_out = np.zeros(solution.COVARIANCE_FLOATS, real)
+        self._innovation_out = np.zeros(solution.INNOVATION_FLOATS, real)
+        self._biases_out = np.zeros(solution.BIAS_FLOATS, real)
+
+    def fill_solution(self) -> None:
+        """Bring `floats` and `integers` up to the present state."""
+        self._solution(self.f, self.i, self.floats, self.integers)
+
+    def covariance(self) -> list[float]:
+        """Upper triangle of the covariance of [δr, δv, φ], 45 values."""
+        self._covariance(self.f, self._covariance_out)
+        return self._covariance_out.tolist()
+
+    def innovation(self) -> tuple[int, int, list[float]]:
+        """(time of validity on the board clock in ns, mask of used components, 6 innovations and 6 sigmas)."""
+        self._innovation(self.f, self._innovation_out)
+        i = self.i
+        return int(i[layout.INNOVATION_TIME]), int(i[layout.INNOVATION_MASK]), self._innovation_out.tolist()
+
+    def biases(self) -> list[float]:
+        """b_g, b_a, mounting yaw and pitch, latency, and their sigmas: 18 values."""
+        self._biases(self.f, self._biases_out)
+        return self._biases_out.tolist()
+
+    @property
+    def mode_name(self) -> str:
+        """The mode in words."""
+        return MODE_NAMES[int(self.i[layout.MODE])]
+
+    @property
+    def samples_missed(self) -> int:
+        """Samples of the chip that were never read."""
+        return int(self.i[CLOCK_AT + MISSED])
+
+    @property
+    def samples_repeated(self) -> int:
+        """Samples of the chip that were read twice."""
+        return int(self.i[CLOCK_AT + REPEATED])
+
+    def restart_sample_clock(self) -> None:
+        """The chip was reset: its sensortime begins anew."""
+        reset_clock(self.i, CLOCK_AT)
+
+
+def nav_config(settings: Settings, installation: Mapping[str, Any], pulse_wired: bool) -> NavConfig:
+    """Navigation's configuration for a profile and an installation."""
+    mounting = installation["imu"]["C_b_s"]
+    lever = np.subtract(installation["gnss"]["lever_arm_m"], installation["imu"]["lever_arm_m"])
+    mean = settings.strapdown == "mean"
+    choices: dict[str, Any] = {"sample_period": MEAN_PERIOD, "two_sample": False} if mean else {}
+    if pulse_wired:
+        choices["latency_sigma"] = 0.0
+    return NavConfig(
+        C_b_s=tuple(float(element) for row in mounting for element in row),
+        antenna_lever_arm=(float(lever[0]), float(lever[1]), float(lever[2])),
+        constraint=settings.aiding,
+        standstill=settings.aiding,
+        **choices,
+    )

@@ -1,0 +1,104 @@
+"""The program of the STM32F405: interrupts, tasks and the background loop.
+
+    imu_ready / imu_timer ─► navigation ─► output (10 Hz)
+    USART3 DMA, idle line ─► gnss_receive ─► filter
+    timepulse                                            main: configuration, log, health, watchdog
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from firmware.apps.car_mems.acquisition import Acquisition
+from firmware.apps.car_mems.background import Background
+from firmware.apps.car_mems.gnss_port import GnssPort
+from firmware.apps.car_mems.navigation import Navigation
+from firmware.apps.car_mems.output import Output
+from firmware.apps.car_mems.settings import Settings
+from hal.board_io import BoardIo
+
+
+def program(io: BoardIo, profile: Mapping[str, Any], installation: Mapping[str, Any]) -> CarMems:
+    """The image in flash. Raises ValueError for a profile that no program could mean."""
+    return CarMems(io, Settings.of(profile), installation)
+
+
+class CarMems:
+    """Implements `hal.board_io.Program`."""
+
+    def __init__(self, io: BoardIo, settings: Settings, installation: Mapping[str, Any]) -> None:
+        self._io = io
+        self._settings = settings
+        self._installation = installation
+        self._navigation: Navigation | None = None
+
+    def main(self) -> None:
+        """From the reset vector: nothing survives a reset."""
+        io, settings = self._io, self._settings
+        navigation = Navigation(settings, self._installation, "timepulse" in io.captures)
+        self._navigation = navigation
+        gnss = GnssPort(io, settings, navigation)
+        acquisition = Acquisition(io, settings)
+        output = Output(io, settings, navigation, gnss, acquisition)
+        tasks = NavigationTasks(io, settings, navigation, acquisition, output)
+        background = Background(io, navigation, gnss, acquisition, output)
+        gnss.begin()
+        tasks.begin()
+        background.run()
+
+    def memory(self) -> bytes:
+        """The navigation state as it lies in memory."""
+        if self._navigation is None:
+            return b""
+        return self._navigation.f.tobytes() + self._navigation.i.tobytes()
+
+
+class NavigationTasks:
+    """The chain from a sample to the state: reads make steps, steps make outputs."""
+
+    def __init__(
+        self,
+        io: BoardIo,
+        settings: Settings,
+        navigation: Navigation,
+        acquisition: Acquisition,
+        output: Output,
+    ) -> None:
+        self._cpu = io.cpu
+        self._acquisition = acquisition
+        self._raw = acquisition.chip.raw
+        self._f = navigation.f
+        self._i = navigation.i
+        mean = settings.strapdown == "mean"
+        self._step = navigation.timer_sample if mean else navigation.data_ready_step
+        self._step_cost = io.cpu.cost("navigation_mean" if mean else "navigation_step")
+        self._sample_cost = io.cpu.cost("convert_average")
+        self._steps_per_output = max(1, (10 if mean else settings.imu_rate_hz) // settings.output_rate_hz)
+        self._steps = 0
+        self._output_line = io.interrupts.attach("output", output.send)
+        line = io.interrupts.attach("navigation", self._on_mean_sample if mean else self._on_sample)
+        acquisition.sample_ready = line.pend
+
+    def begin(self) -> None:
+        """Let samples come."""
+        self._acquisition.begin()
+
+    def _on_sample(self) -> None:
+        """`full-rate`: a step for every sample."""
+        self._step(self._f, self._i, self._raw, self._acquisition.read_at_ns)
+        self._cpu.spend(self._step_cost)
+        self._count_step()
+
+    def _on_mean_sample(self) -> None:
+        """`thesis`: a step for every tenth sample."""
+        self._cpu.spend(self._sample_cost)
+        if self._step(self._f, self._i, self._raw, self._acquisition.read_at_ns):
+            self._cpu.spend(self._step_cost)
+            self._count_step()
+
+    def _count_step(self) -> None:
+        self._steps += 1
+        if self._steps == self._steps_per_output:
+            self._steps = 0
+            self._output_line.pend()

@@ -1,0 +1,70 @@
+"""What the navigation task does with a sample: one kernel call from raw registers to the new state."""
+
+import numpy as np
+
+from firmware.apps.car_mems.sample_clock import TIME, sample_time
+from firmware.drivers.bmi160_sample import rate_and_force, sensortime
+from firmware.nav import layout
+from firmware.nav.imu import imu_step
+from firmware.numerics.dialect import kernel
+from firmware.numerics.wide_integers import float32_of_int64
+
+CLOCK_AT = np.int32(layout.I_SIZE)
+"""Where the sample clock lies in `i`."""
+MEAN_AT = np.int32(layout.F_SIZE)
+"""Where the sums of ω and f (6) and their number lie in `f`."""
+MEAN_SIZE = 7
+MEAN_COUNT = np.int32(layout.F_SIZE + 6)
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+TENTH = np.float32(0.1)
+TEN = np.float32(10.0)
+NANO = np.float32(1.0e-9)
+NOMINAL_NS = np.int64(10_000_000)
+
+
+@kernel("int64(float32[::1], int64[::1], uint8[::1], int64)")
+def data_ready_step(f, i, raw, t_read_ns):
+    """`full-rate`: one strapdown step from the burst `raw` that was read at `t_read_ns`.
+
+    Returns the time since the sample before in ns; 0: this sample had been read already and is left alone.
+    """
+    span = sample_time(i, CLOCK_AT, sensortime(raw), t_read_ns)
+    if span == np.int64(0):
+        return span
+    if span < np.int64(0):
+        span = NOMINAL_NS
+    wx, wy, wz, ax, ay, az = rate_and_force(raw)
+    imu_step(f, i, i[CLOCK_AT + TIME], float32_of_int64(span) * NANO, wx, wy, wz, ax, ay, az)
+    return span
+
+
+@kernel("int64(float32[::1], int64[::1], uint8[::1], int64)")
+def timer_sample(f, i, raw, t_read_ns):
+    """`thesis`: add the burst `raw` to the mean; every tenth makes a strapdown step of 0.1 s.
+
+    The processor's timer gives the times; the sample clock only counts samples missed and read twice, which
+    go into the mean as they come. Returns 1 when a step was made.
+    """
+    sample_time(i, CLOCK_AT, sensortime(raw), t_read_ns)
+    wx, wy, wz, ax, ay, az = rate_and_force(raw)
+    f[MEAN_AT] += wx
+    f[MEAN_AT + 1] += wy
+    f[MEAN_AT + 2] += wz
+    f[MEAN_AT + 3] += ax
+    f[MEAN_AT + 4] += ay
+    f[MEAN_AT + 5] += az
+    f[MEAN_COUNT] += ONE
+    if f[MEAN_COUNT] < TEN:
+        return np.int64(0)
+    wx = f[MEAN_AT] * TENTH
+    wy = f[MEAN_AT + 1] * TENTH
+    wz = f[MEAN_AT + 2] * TENTH
+    ax = f[MEAN_AT + 3] * TENTH
+    ay = f[MEAN_AT + 4] * TENTH
+    az = f[MEAN_AT + 5] * TENTH
+    for k in range(np.int32(7)):
+        f[MEAN_AT + k] = ZERO
+    imu_step(f, i, t_read_ns, TENTH, wx, wy, wz, ax, ay, az)
+    return np.int64(1)

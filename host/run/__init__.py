@@ -1,0 +1,1 @@
+"""One run of a board: request in, board and world built, virtual time worked off, result out."""
