@@ -47,7 +47,7 @@ SENTENCES: dict[int, Sentence] = {
     0xF103: lambda nmea: [pubx_03(nmea.solution)],
     0xF104: lambda nmea: [pubx_04(nmea)],
 }
-"""Sentences by class · 256 + id."""
+"""Bodies of sentences by class · 256 + id."""
 
 SENTENCE_IDS = {
     "GGA": 0xF000,

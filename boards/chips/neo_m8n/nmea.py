@@ -1,16 +1,17 @@
 """Standard sentences of one epoch (fact sheet section 2): RMC VTG GGA GNS GLL GST ZDA and TXT.
 
-Field widths and precisions are those of real M8N logs. Without a fix the forms of the table "no-fix
-output" appear; the time fields fill as soon as the time is known. NMEA 2.1 has no posMode, 4.1 adds the
-navigation status ("V": this equipment gives none).
+Every method gives the body of its sentence, without "$", checksum and line end (`fields.sentences` adds
+them to all sentences of an epoch at once). Field widths and precisions are those of real M8N logs. Without
+a fix the forms of the table "no-fix output" appear; the time fields fill as soon as the time is known.
+NMEA 2.1 has no posMode, 4.1 adds the navigation status ("V": this equipment gives none).
 """
 
 from __future__ import annotations
 
-from boards.chips.neo_m8n.fields import course, decimal, dilution, position, sentence, two_figures
+from boards.chips.neo_m8n.fields import course, decimal, dilution, position, two_figures
 from boards.chips.neo_m8n.satellites import Sky
 from boards.chips.neo_m8n.solution import Solution
-from boards.chips.neo_m8n.style import VERSION_2_3, VERSION_4_0, VERSION_4_1, NmeaStyle
+from boards.chips.neo_m8n.style import VERSION_2_3, VERSION_4_1, NmeaStyle
 
 KNOTS = 3600.0 / 1852.0
 KILOMETRES_PER_HOUR = 3.6
@@ -51,20 +52,29 @@ class NmeaSet:
         solution = self.solution
         tail = self._mode_tail + b",V" if self.style.version >= VERSION_4_1 else self._mode_tail
         status, knots = (b"A", b"%.3f" % (solution.speed * KNOTS)) if solution.fix else (b"V", b"")
-        return sentence(
-            b"%bRMC,%b,%b,%b,%b,%b,%b,,%b"
-            % (self.talker, self.time, status, self.position, knots, self.course, self.date, tail)
+        return b"%bRMC,%b,%b,%b,%b,%b,%b,,%b" % (
+            self.talker,
+            self.time,
+            status,
+            self.position,
+            knots,
+            self.course,
+            self.date,
+            tail,
         )
 
     def vtg(self) -> bytes:
         """Course and speed."""
         solution = self.solution
         if not solution.fix:
-            return sentence(b"%bVTG,,,,,,,,%b" % (self.talker, self._mode_tail))
+            return b"%bVTG,,,,,,,,%b" % (self.talker, self._mode_tail)
         speed = solution.speed
-        return sentence(
-            b"%bVTG,%b,T,,M,%.3f,N,%.3f,K%b"
-            % (self.talker, self.course, speed * KNOTS, speed * KILOMETRES_PER_HOUR, self._mode_tail)
+        return b"%bVTG,%b,T,,M,%.3f,N,%.3f,K%b" % (
+            self.talker,
+            self.course,
+            speed * KNOTS,
+            speed * KILOMETRES_PER_HOUR,
+            self._mode_tail,
         )
 
     def gga(self) -> bytes:
@@ -72,12 +82,10 @@ class NmeaSet:
         solution = self.solution
         head = b"%bGGA,%b,%b" % (self.talker, self.time, self.position)
         if not solution.fix:
-            return sentence(head + b",0,00,99.99,,,,,,")
+            return head + b",0,00,99.99,,,,,,"
         used = min(solution.used, MOST_USED_SHOWN)
         altitude, separation = self._heights()
-        return sentence(
-            b"%b,1,%02d,%b,%b,M,%b,M,," % (head, used, dilution(solution.epoch.hdop), altitude, separation)
-        )
+        return b"%b,1,%02d,%b,%b,M,%b,M,," % (head, used, dilution(solution.epoch.hdop), altitude, separation)
 
     def gns(self) -> bytes:
         """Fix data with one mode letter for each system; as many letters as the version knows systems."""
@@ -89,33 +97,33 @@ class NmeaSet:
             tail = b",V"
         head = b"%bGNS,%b,%b,%b" % (self.talker, self.time, self.position, letters)
         if not solution.fix:
-            return sentence(head + b",00,99.99,,,," + tail)
+            return head + b",00,99.99,,,," + tail
         altitude, separation = self._heights()
         hdop = dilution(solution.epoch.hdop)
-        return sentence(b"%b,%02d,%b,%b,%b,,%b" % (head, solution.used, hdop, altitude, separation, tail))
+        return b"%b,%02d,%b,%b,%b,,%b" % (head, solution.used, hdop, altitude, separation, tail)
 
     def gll(self) -> bytes:
         """Position and time."""
         status = b"A" if self.solution.fix else b"V"
         head = b"%bGLL,%b,%b" % (self.talker, self.position, self.time)
-        return sentence(b"%b,%b%b" % (head, status, self._mode_tail))
+        return b"%b,%b%b" % (head, status, self._mode_tail)
 
     def gst(self) -> bytes:
         """Error statistics; the error ellipse stays empty, as on the real receiver."""
         epoch = self.solution.epoch
         if not self.solution.fix:
-            return sentence(b"%bGST,%b,,,,,,," % (self.talker, self.time))
+            return b"%bGST,%b,,,,,,," % (self.talker, self.time)
         level, up = two_figures(epoch.h_acc * 0.5**0.5), two_figures(epoch.v_acc)
         ranges = two_figures(epoch.h_acc / max(epoch.hdop, 0.01))
-        return sentence(b"%bGST,%b,%b,,,,%b,%b,%b" % (self.talker, self.time, ranges, level, level, up))
+        return b"%bGST,%b,%b,,,,%b,%b,%b" % (self.talker, self.time, ranges, level, level, up)
 
     def zda(self) -> bytes:
         """Time and date."""
         if not self.solution.time_known:
-            return sentence(b"%bZDA,,,,,00,00" % self.talker)
+            return b"%bZDA,,,,,00,00" % self.talker
         utc = self.solution.utc
         day = b"%02d,%02d,%04d" % (utc.day, utc.month, utc.year)
-        return sentence(b"%bZDA,%b,%b,00,00" % (self.talker, self.time, day))
+        return b"%bZDA,%b,%b,00,00" % (self.talker, self.time, day)
 
     def gsa(self) -> list[bytes]:
         """Used satellites, one sentence for each system, and the dilutions of precision."""
@@ -137,9 +145,9 @@ class NmeaSet:
         solution = self.solution
         digits = 3 if self.style.fine else 1
         altitude = decimal(solution.height - solution.separation, digits)
-        return altitude, decimal(solution.separation, digits if self.style.version > VERSION_4_0 else 1)
+        return altitude, decimal(solution.separation, digits)
 
 
 def txt(talker: bytes, kind: int, text: bytes) -> bytes:
-    """A one-sentence text message of kind 0 error, 1 warning, 2 notice."""
-    return sentence(b"%bTXT,01,01,%02d,%b" % (talker, kind, text))
+    """Body of a one-sentence text message of kind 0 error, 1 warning, 2 notice."""
+    return b"%bTXT,01,01,%02d,%b" % (talker, kind, text)

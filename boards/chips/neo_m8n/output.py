@@ -9,6 +9,7 @@ from __future__ import annotations
 from boards.chips.neo_m8n import settings as cfg
 from boards.chips.neo_m8n.catalogue import BINARY, SENTENCES, BinaryMessage, Sentence
 from boards.chips.neo_m8n.configure_systems import style_of
+from boards.chips.neo_m8n.fields import sentences
 from boards.chips.neo_m8n.identity import START_UP_TEXTS
 from boards.chips.neo_m8n.nmea import TXT_ERROR, TXT_NOTICE, NmeaSet, txt
 from boards.chips.neo_m8n.settings import Settings
@@ -58,9 +59,11 @@ class Output:
                 messages.append(build(solution))
         if self._sentences:
             printed = NmeaSet(solution, self.style, self.style.talker)
-            for rate, sentences in self._sentences:
+            bodies: list[bytes] = []
+            for rate, bodies_of in self._sentences:
                 if count % rate == 0:
-                    messages += sentences(printed)
+                    bodies += bodies_of(printed)
+            messages += sentences(bodies)
         if messages:
             self.transmitter.send(messages)
 
@@ -68,7 +71,7 @@ class Output:
         """Send one message (class · 256 + id) of the newest solution at once."""
         if message in SENTENCES:
             printed = NmeaSet(solution, self.style, self.style.talker)
-            self._send(PROTOCOL_NMEA, SENTENCES[message](printed))
+            self._send(PROTOCOL_NMEA, sentences(SENTENCES[message](printed)))
         else:
             self._send(PROTOCOL_UBX, [BINARY[message](solution)])
 
@@ -91,7 +94,7 @@ class Output:
         if self._out_mask & PROTOCOL_UBX and self._wanted(0, kind):
             messages.append(frame(CLASS_INF, kind, text))
         if self._out_mask & PROTOCOL_NMEA and self._wanted(1, kind):
-            messages.append(txt(self.style.talker, kind, text))
+            messages += sentences([txt(self.style.talker, kind, text)])
         return messages
 
     def _wanted(self, protocol: int, kind: int) -> bool:
@@ -114,8 +117,8 @@ class Output:
             if out_mask & PROTOCOL_UBX and (rate := settings.rates(message)[cfg.UART1])
         ]
         self._sentences = [
-            (rate, sentences)
-            for message, sentences in SENTENCES.items()
+            (rate, bodies_of)
+            for message, bodies_of in SENTENCES.items()
             if out_mask & PROTOCOL_NMEA and (rate := settings.rates(message)[cfg.UART1])
         ]
         return int(baud)

@@ -8,7 +8,7 @@ first one); time fields stay empty until the time is known.
 
 from __future__ import annotations
 
-from boards.chips.neo_m8n.fields import course, decimal, degrees, dilution, position, sentence, two_figures
+from boards.chips.neo_m8n.fields import course, decimal, degrees, dilution, position, two_figures
 from boards.chips.neo_m8n.nmea import KILOMETRES_PER_HOUR, NmeaSet
 from boards.chips.neo_m8n.solution import FIX_2D, Solution
 from boards.chips.neo_m8n.utc import DAY_SECONDS, WEEK_SECONDS
@@ -42,24 +42,24 @@ def pubx_00(printed: NmeaSet) -> bytes:
     head = b"PUBX,00,%b,%b,%b" % (printed.time, where, decimal(solution.height, 3))
     cog = course(solution.course_deg)
     if not solution.fix:
-        return sentence(
-            b"%b,NF,%d,%d,0.000,%b,0.000,,99.99,99.99,99.99,0,0,0" % (head, NO_FIX_H_ACC, NO_FIX_V_ACC, cog)
-        )
-    return sentence(
-        b"%b,%b,%b,%b,%b,%b,%b,,%b,%b,%b,%d,0,0"
-        % (
+        return b"%b,NF,%d,%d,0.000,%b,0.000,,99.99,99.99,99.99,0,0,0" % (
             head,
-            b"G2" if solution.fix == FIX_2D else b"G3",
-            two_figures(epoch.h_acc),
-            two_figures(epoch.v_acc),
-            decimal(solution.speed * KILOMETRES_PER_HOUR, 3),
+            NO_FIX_H_ACC,
+            NO_FIX_V_ACC,
             cog,
-            decimal(epoch.velocity_ned[2], 3),
-            dilution(epoch.hdop),
-            dilution(epoch.vdop),
-            dilution(epoch.tdop),
-            solution.used,
         )
+    return b"%b,%b,%b,%b,%b,%b,%b,,%b,%b,%b,%d,0,0" % (
+        head,
+        b"G2" if solution.fix == FIX_2D else b"G3",
+        two_figures(epoch.h_acc),
+        two_figures(epoch.v_acc),
+        decimal(solution.speed * KILOMETRES_PER_HOUR, 3),
+        cog,
+        decimal(epoch.velocity_ned[2], 3),
+        dilution(epoch.hdop),
+        dilution(epoch.vdop),
+        dilution(epoch.tdop),
+        solution.used,
     )
 
 
@@ -79,7 +79,7 @@ def pubx_03(solution: Solution) -> bytes:
         blocks.append(
             b"%d,%b,%b,%b,%03d" % (flat_number(satellite), status, angles, level, lock if tracked else 0)
         )
-    return sentence(b",".join(blocks))
+    return b",".join(blocks)
 
 
 def pubx_04(printed: NmeaSet) -> bytes:
@@ -92,13 +92,10 @@ def pubx_04(printed: NmeaSet) -> bytes:
         week, second = divmod(utc.days * DAY_SECONDS + second_of_day, WEEK_SECONDS)
         when = b"%b,%b,%d.%02d,%d" % (printed.time, printed.date, second, utc.centisecond, week)
     leap = b"%d" % solution.leap_seconds if solution.leap_known else b"%dD" % solution.leap_seconds
-    return sentence(
-        b"PUBX,04,%b,%b,%d,%b,%d"
-        % (
-            when,
-            leap,
-            solution.clock_bias_ns,
-            decimal(solution.clock_drift, 3),
-            TIME_PULSE_GRANULARITY_NS,
-        )
+    return b"PUBX,04,%b,%b,%d,%b,%d" % (
+        when,
+        leap,
+        solution.clock_bias_ns,
+        decimal(solution.clock_drift, 3),
+        TIME_PULSE_GRANULARITY_NS,
     )

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from boards.chips.neo_m8n.fields import dilution, sentence
+from boards.chips.neo_m8n.fields import dilution
 from boards.chips.neo_m8n.solution import Solution
 from boards.chips.neo_m8n.style import SYSTEM_ID, VERSION_4_1, NmeaStyle
 
@@ -30,25 +30,26 @@ class Sky:
         self._style = style
         self._seen: dict[bytes, list[bytes]] = {group: [] for group in style.groups}
         self._used: dict[bytes, list[bytes]] = {group: [] for group in style.groups}
-        listed, numbers = style.listed, style.numbers
+        seen = {system: self._seen[group].append for system, group in style.listed.items()}
+        numbers = style.numbers
         sky_known = solution.sky_known
         fix = solution.fix
         for satellite in solution.satellites:
-            group = listed.get(satellite.system)
-            if group is None:
+            system = satellite.system
+            if system not in seen:
                 continue
-            number = numbers[satellite.system, satellite.number]
+            number = numbers[system, satellite.number]
             cn0 = int(satellite.cn0_dbhz + 0.5)
             level = _TWO_DIGITS[cn0 if cn0 < 99 else 99] if cn0 > 0 else b","
             if sky_known:
                 elevation = int(satellite.elevation * _DEGREES + 0.5)
                 azimuth = int(satellite.azimuth * _DEGREES % 360.0 + 0.5)
                 elevation = 0 if elevation < 0 else 90 if elevation > 90 else elevation
-                self._seen[group].append(number + _TWO_DIGITS[elevation] + _THREE_DIGITS[azimuth] + level)
+                seen[system](number + _TWO_DIGITS[elevation] + _THREE_DIGITS[azimuth] + level)
             else:
-                self._seen[group].append(number + b",," + level)
+                seen[system](number + b",," + level)
             if fix and satellite.used:
-                self._used[group].append(number)
+                self._used[style.listed[system]].append(number)
 
     def has_used(self, group: bytes) -> bool:
         """Whether a satellite of the group is used."""
@@ -64,28 +65,26 @@ class Sky:
         else:
             dops = b"99.99,99.99,99.99"
         head = b"%bGSA,%b,%d" % (talker, b"M" if style.manual_mode else b"A", fix or 1)
-        sentences = []
+        bodies = []
         for group, numbers in self._used.items():
             slots = numbers[:GSA_SLOTS]
             body = b"%b%b%b,%b" % (head, b"".join(slots), b"," * (GSA_SLOTS - len(slots)), dops)
             if style.version >= VERSION_4_1:
                 body += b",%d" % SYSTEM_ID[group]
-            sentences.append(sentence(body))
-        return sentences
+            bodies.append(body)
+        return bodies
 
     def gsv(self, talker: bytes) -> list[bytes]:
         """The GSV sentences of each enabled system; one without blocks when nothing is in view."""
         style = self._style
         signal = b",0" if style.version >= VERSION_4_1 else b""
-        sentences = []
+        bodies = []
         for group, all_blocks in self._seen.items():
             blocks = all_blocks[: style.most_satellites] if style.most_satellites else all_blocks
-            name = talker if style.gsv_by_main_talker else style.group_talker(group)
             count = len(blocks)
-            messages = max((count + GSV_BLOCKS - 1) // GSV_BLOCKS, 1)
+            messages = (count + GSV_BLOCKS - 1) // GSV_BLOCKS or 1
+            name = talker if style.gsv_by_main_talker else style.group_talker(group)
             for message in range(messages):
                 shown = b"".join(blocks[message * GSV_BLOCKS : (message + 1) * GSV_BLOCKS])
-                sentences.append(
-                    sentence(b"%bGSV,%d,%d,%02d%b%b" % (name, messages, message + 1, count, shown, signal))
-                )
-        return sentences
+                bodies.append(b"%bGSV,%d,%d,%02d%b%b" % (name, messages, message + 1, count, shown, signal))
+        return bodies

@@ -95,10 +95,15 @@ class TimePulse:
         if settings is None:
             return
         leap_ns = leap_seconds * SECOND if settings.utc_grid else 0
-        self._reference_ns = gps_time_ns - leap_ns - self._time.now
+        reference_ns = gps_time_ns - leap_ns - self._time.now
+        if reference_ns != self._reference_ns and self._next is not None:
+            self._next.cancel()
+            self._next = None
+        self._reference_ns = reference_ns
         self._locked = locked
         if self._next is None and self.net is not None and self.net.listened and self._pulse() is not None:
-            self._rest()
+            if self._fall is None:
+                self._rest()
             self._next = self._time.at(self._next_top(), self._rise, BEFORE_EPOCH)
 
     def stop(self, level: bool = False) -> None:
@@ -133,8 +138,12 @@ class TimePulse:
             self._next = None
             return None
         net.set(settings.active_high)
-        self._fall = self._time.at(self._time.now + pulse.length_ns, self._rest, BEFORE_EPOCH)
+        self._fall = self._time.at(self._time.now + pulse.length_ns, self._end, BEFORE_EPOCH)
         return self._next_top()
+
+    def _end(self) -> None:
+        self._fall = None
+        self._rest()
 
     def _rest(self) -> None:
         if self.net is not None and self.settings is not None:

@@ -35,16 +35,16 @@ USNO = 3
 def _integer(value: float, scale: float, bits: int = 32) -> int:
     """A signed field of `bits` bits."""
     limit = 1 << (bits - 1)
-    return min(max(round(value * scale), -limit), limit - 1)
+    return round(min(max(value * scale, -limit), limit - 1))
 
 
 def _accuracy(value: float, scale: float) -> int:
     """An unsigned 32-bit accuracy."""
-    return min(max(round(value * scale), 0), UNKNOWN_ACCURACY)
+    return round(min(max(value * scale, 0.0), UNKNOWN_ACCURACY))
 
 
 def _dop(value: float) -> int:
-    return min(round(value * 100.0), NO_FIX_DOP)
+    return round(min(value * 100.0, NO_FIX_DOP))
 
 
 def _position(solution: Solution) -> tuple[int, int, int, int, int, int]:
@@ -62,9 +62,10 @@ def _position(solution: Solution) -> tuple[int, int, int, int, int, int]:
 
 def _heading_accuracy(solution: Solution) -> int:
     """1 σ of the course, 1e-5°: speed accuracy over speed."""
-    if not solution.fix or solution.speed <= 0.0:
+    s_acc, speed = solution.epoch.s_acc, solution.speed
+    if not solution.fix or s_acc >= math.pi * speed:
         return LARGEST_HEADING_ACC
-    return min(_accuracy(math.degrees(solution.epoch.s_acc / solution.speed), 1e5), LARGEST_HEADING_ACC)
+    return _accuracy(math.degrees(s_acc / speed), 1e5)
 
 
 def _heading(solution: Solution) -> int:

@@ -23,7 +23,9 @@ START_GPS_NS = 2305 * WEEK_NS + (5 * 86_400 + 9 * 3600 + 27 * 60 + 25 + LEAP_SEC
 """2024-03-15 09:27:25 UTC."""
 
 SKY = tuple(
-    Satellite("GPS", number, math.radians(elevation), math.radians(azimuth), cn0, used)
+    Satellite(
+        "GPS" if number <= 32 else "SBAS", number, math.radians(elevation), math.radians(azimuth), cn0, used
+    )
     for number, elevation, azimuth, cn0, used in (
         (1, 53, 280, 36.2, True),
         (3, 29, 301, 24.0, True),

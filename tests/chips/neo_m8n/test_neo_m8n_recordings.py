@@ -153,9 +153,10 @@ def epoch_of_pvt(pvt: Any) -> GnssEpoch:
 
 
 def masked(pvt: Any) -> bytes:
-    """The payload without what this sky does not hold: time accuracy, DGPS flag, frozen course, reserved."""
+    """The payload without what this sky does not hold: time accuracy, DGPS and other flags, frozen course,
+    reserved bytes."""
     payload = bytearray(pvt.payload)
-    for begin, end in ((12, 16), (21, 22), (60, 68), (72, 76), (78, 92)):
+    for begin, end in ((12, 16), (21, 23), (60, 68), (72, 76), (78, 92)):
         payload[begin:end] = bytes(end - begin)
     payload[11] &= 0x0F  # the recorder's firmware also sets undocumented bits of `valid`
     return bytes(payload)
