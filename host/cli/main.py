@@ -1,0 +1,143 @@
+"""Entry point of the command `navtwin`. Heavy libraries are imported inside the commands only."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from host.cli.exit_codes import EXIT_INTERRUPTED, guarded
+
+EXAMPLES = (
+    ("navtwin boards", "what there is to run"),
+    ("navtwin run car_mems", "the board's own scenario"),
+    ("navtwin run car_mems --scenario outages --seed 7", "another one, other noise"),
+    ("navtwin run car_mems --set gnss.latency_s=0.1", "with one value changed"),
+    ("navtwin run car_mems -s ./drive.toml --json - -q", "your own, for a program"),
+)
+EPILOG = "\n".join(
+    ["\b", "Examples:"]
+    + [f"  {command:<50}{purpose}" for command, purpose in EXAMPLES]
+    + ["", "\b", "Ends with 0: expectations met, 1: not met, 2: bad input,"]
+    + ["          3: the run failed, 130: interrupted."]
+)
+
+app = typer.Typer(
+    name="navtwin",
+    help="Runs the firmware of GNSS/INS navigation boards on emulated chips in virtual time.",
+    epilog=EPILOG,
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _show_version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version
+
+        typer.echo(f"navtwin {version('navtwin')}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command("boards")
+def boards_command(
+    json: Annotated[bool, typer.Option("--json", help="As JSON, for programs.")] = False,
+) -> None:
+    """List boards, chips, profiles and scenarios."""
+    from host.cli.boards_command import list_boards
+
+    guarded(lambda: list_boards(as_json=json))
+
+
+@app.command("run", epilog=EPILOG)
+def run_command(
+    board: Annotated[
+        str, typer.Argument(metavar="BOARD", help="A board's name, or a folder with a board.toml.")
+    ],
+    scenario: Annotated[
+        str | None, typer.Option("--scenario", "-s", metavar="NAME|FILE", help="Default: the board's own.")
+    ] = None,
+    profile: Annotated[
+        str | None, typer.Option("--profile", "-p", metavar="NAME", help="Default: the board's own.")
+    ] = None,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", help="Of all noise; the same seed, the same bytes.")
+    ] = 1,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="Change one value: of the scenario (gnss.latency_s=0.1), the board "
+            "(board.pins.timepulse.wired=false) or the profile (profile.aiding=false). May be repeated.",
+        ),
+    ] = None,
+    data: Annotated[
+        Path | None,
+        typer.Option("--data", metavar="DIR", help="Real recordings. Default: NAVTWIN_DATA."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out",
+            metavar="DIR",
+            help="Report, solution, capture. Default: runs/BOARD-SCENARIO-PROFILE-SEED.",
+        ),
+    ] = None,
+    json: Annotated[
+        str | None,
+        typer.Option("--json", metavar="FILE|-", help="All figures as JSON; - is standard output."),
+    ] = None,
+    junit: Annotated[
+        Path | None, typer.Option("--junit", metavar="FILE", help="Expectations as JUnit XML, for CI.")
+    ] = None,
+    no_capture: Annotated[bool, typer.Option("--no-capture", help="Leave out run.mcap.")] = False,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no tables.")] = False,
+) -> None:
+    """Run a board through a scenario and judge it.
+
+    Writes report.html, solution.csv, run.mcap and the figures into the folder --out.
+    """
+    from host.cli.run_command import Outputs, execute
+    from host.record.result import RunRequest
+
+    request = RunRequest(
+        board=board,
+        scenario=scenario,
+        profile=profile,
+        seed=seed,
+        overrides=tuple(changes or ()),
+        data_dir=data,
+        out_dir=out,
+        capture=not no_capture,
+    )
+    guarded(lambda: execute(request, Outputs(json=json, junit=junit, quiet=quiet)))
+
+
+def main() -> None:
+    """Run the command line; ends the process with its exit code."""
+    for stream in (sys.stdout, sys.stderr):
+        if hasattr(stream, "reconfigure"):
+            stream.reconfigure(errors="replace")
+    try:
+        app()
+    except KeyboardInterrupt:
+        sys.exit(EXIT_INTERRUPTED)
+
+
+if __name__ == "__main__":
+    main()

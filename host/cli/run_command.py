@@ -1,0 +1,82 @@
+"""`navtwin run`: one run from the command line."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from boards.description import load_board
+from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.junit import junit_xml
+from host.cli.terminal import print_result, print_verdict, progress_bar, standard_error, standard_output
+from host.record.atomic import write_whole
+from host.record.errors import UserError
+from host.record.result import RunRequest, RunResult
+
+STANDARD_OUTPUT = "-"
+
+
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """Where the figures go besides the run's folder."""
+
+    json: str | None
+    junit: Path | None
+    quiet: bool
+
+
+def execute(request: RunRequest, outputs: Outputs) -> int:
+    """Run, write and print. Returns the exit code. Raises UserError for what the user got wrong."""
+    _check_places(request, outputs)
+    request = with_folder(request)
+    from host.run.runner import run
+
+    with progress_bar(f"{request.board} {request.scenario or ''}".strip(), outputs.quiet) as progress:
+        result = run(replace(request, progress=progress))
+    _write(result, outputs)
+    console = standard_error() if outputs.json == STANDARD_OUTPUT else standard_output()
+    if not outputs.quiet:
+        print_result(console, result)
+    print_verdict(console, result)
+    return EXIT_MET if result.ok else EXIT_NOT_MET
+
+
+def with_folder(request: RunRequest) -> RunRequest:
+    """The request with its default folder: runs/BOARD-SCENARIO-PROFILE-SEED."""
+    if request.out_dir is not None:
+        return request
+    board = load_board(request.board)
+    scenario = Path(request.scenario).stem if request.scenario else board.default_scenario
+    profile = request.profile or board.default_profile
+    return replace(request, out_dir=Path("runs") / f"{board.name}-{scenario}-{profile}-{request.seed}")
+
+
+def _write(result: RunResult, outputs: Outputs) -> None:
+    if outputs.json is not None:
+        text = json.dumps(result.to_dict(), indent=1) + "\n"
+        if outputs.json == STANDARD_OUTPUT:
+            print(text, end="")
+        else:
+            write_whole(Path(outputs.json), text, "--json")
+    if outputs.junit is not None:
+        write_whole(outputs.junit, junit_xml(result), "--junit")
+
+
+def _check_places(request: RunRequest, outputs: Outputs) -> None:
+    """Tell before a long run that its figures could not be written after it."""
+    if request.data_dir is not None and not request.data_dir.is_dir():
+        raise UserError(f"--data {request.data_dir}: no such folder; for example --data ~/recordings")
+    files = [("--junit", outputs.junit)]
+    if outputs.json is not None and outputs.json != STANDARD_OUTPUT:
+        files.append(("--json", Path(outputs.json)))
+    for option, path in files:
+        if path is None:
+            continue
+        if path.is_dir():
+            raise UserError(f"{option} {path}: is a folder; name a file, e.g. {option} {path / 'result'}")
+        if not path.parent.is_dir():
+            raise UserError(f"{option} {path}: the folder {path.parent} does not exist")
+        if not os.access(path.parent, os.W_OK):
+            raise UserError(f"{option} {path}: the folder {path.parent} is not writable")
