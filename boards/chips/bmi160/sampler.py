@@ -102,6 +102,7 @@ class Sampler:
 
     def convert(self, tick: int, conversion: Conversion) -> None:
         """New ranges, offsets or deflection from the next sample after `tick` on."""
+        self.cover(tick)
         self._conversion = conversion
         if self.first_tick < self.end_tick and tick < self.end_tick:
             self._quantise(max(0, (tick - self.first_tick) // self.grid + 1))
