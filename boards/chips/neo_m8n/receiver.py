@@ -120,7 +120,7 @@ class NeoM8n:
             self._halt()
             self._off_since_ns = self._time.now
             return
-        if self._off_since_ns is not None:
+        if self._off_since_ns is not None and self._shown is not None:
             if self._backup_supply:
                 self._next_state = self._engine.restart_state(self._time.now - self._off_since_ns)
             else:

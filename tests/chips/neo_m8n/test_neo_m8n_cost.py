@@ -69,4 +69,4 @@ def test_an_epoch_of_the_default_set_is_cheap() -> None:
 
 
 if __name__ == "__main__":
-    print("%.1f µs and %.0f bytes an epoch" % microseconds_per_epoch())
+    print("{:.1f} µs and {:.0f} bytes an epoch".format(*microseconds_per_epoch()))

@@ -161,11 +161,11 @@ def test_skies_read_back(bench: Bench, sky: list[Satellite]) -> None:
             wanted = [sat for sat in satellites if (sat.system == "GLONASS") is (message.talker == "GL")]
             assert message.numSV == len(wanted)
             assert message.numMsg == max(1, math.ceil(len(wanted) / 4))
-            for index in range(1, 5):
-                if hasattr(message, f"svid_0{index}"):
-                    seen.append(
-                        tuple(getattr(message, f"{name}_0{index}") for name in ("svid", "elv", "az", "cno"))
-                    )
+            seen += [
+                tuple(getattr(message, f"{name}_0{index}") for name in ("svid", "elv", "az", "cno"))
+                for index in range(1, 5)
+                if hasattr(message, f"svid_0{index}")
+            ]
     assert len(seen) == len(satellites)
     ordered = [sat for sat in satellites if sat.system != "GLONASS"] + [
         sat for sat in satellites if sat.system == "GLONASS"

@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 from datetime import datetime
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -46,7 +47,7 @@ def sets_of_log(path: Path) -> Iterator[list[str]]:
     """Sentences of each epoch, which begins with RMC; incomplete first and last sets are left out."""
     sentences = re.findall(r"\$G[A-Z0-9,.*\-]+", path.read_text(encoding="latin1"))
     starts = [index for index, text in enumerate(sentences) if "RMC" in text]
-    for start, end in zip(starts, starts[1:], strict=False):
+    for start, end in pairwise(starts):
         yield sentences[start:end]
 
 

@@ -77,7 +77,6 @@ def test_time_fields_fill_before_the_position() -> None:
 def test_the_fact_sheets_sample_sentences() -> None:
     satellites = [replace(SKY[0], number=n, used=True) for n in range(1, 7)]
     satellites += [replace(SKY[7], number=n, used=True) for n in (65, 66, 67)]
-    speed, course = 0.045 * 1852 / 3600, math.radians(271.30)
     data = epoch_text(satellites=tuple(satellites), gps_time_ns=EPOCH.gps_time_ns - 2_000_000_000)
     assert line(data, "GGA") == "$GNGGA,092725.00,5030.12345,N,00415.54321,W,1,09,0.95,87.4,M,48.1,M,,*6E"
 

@@ -200,6 +200,14 @@ def test_without_backup_supply_a_start_is_cold() -> None:
     assert [status for _, status in seen].index("A") == 25
 
 
+def test_the_first_start_is_the_given_one_whoever_switches_the_supply() -> None:
+    rig = Rig(start_state="hot", backup_supply=False)
+    rig.chip.power(False)  # a board whose supply switch is off at first
+    rig.run(3.0)
+    rig.chip.power(True)
+    assert statuses(rig.run(2.9))[-1][1] == "A"
+
+
 def test_a_receiver_that_was_off_for_hours_starts_warm() -> None:
     rig = Rig()
     rig.run(5.0)
