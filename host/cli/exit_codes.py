@@ -28,6 +28,8 @@ def guarded(command: Callable[[], int]) -> None:
         code = _told(str(error), EXIT_BAD_INPUT)
     except KeyboardInterrupt:
         code = _told("interrupted; what was written so far is marked as incomplete", EXIT_INTERRUPTED)
+    except BrokenPipeError:  # whoever read our output has gone; the command line framework ends quietly
+        raise
     except Exception as error:
         code = _described(error)
     raise typer.Exit(code)

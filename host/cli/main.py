@@ -58,9 +58,13 @@ def boards_command(
     json: Annotated[bool, typer.Option("--json", help="As JSON, for programs.")] = False,
 ) -> None:
     """List boards, chips, profiles and scenarios."""
-    from host.cli.boards_command import list_boards
 
-    guarded(lambda: list_boards(as_json=json))
+    def command() -> int:
+        from host.cli.boards_command import list_boards
+
+        return list_boards(as_json=json)
+
+    guarded(command)
 
 
 @app.command("run", epilog=EPILOG)
@@ -112,20 +116,24 @@ def run_command(
 
     Writes report.html, solution.csv, run.mcap and the figures into the folder --out.
     """
-    from host.cli.run_command import Outputs, execute
-    from host.record.result import RunRequest
 
-    request = RunRequest(
-        board=board,
-        scenario=scenario,
-        profile=profile,
-        seed=seed,
-        overrides=tuple(changes or ()),
-        data_dir=data,
-        out_dir=out,
-        capture=not no_capture,
-    )
-    guarded(lambda: execute(request, Outputs(json=json, junit=junit, quiet=quiet)))
+    def command() -> int:
+        from host.cli.run_command import Outputs, execute
+        from host.record.result import RunRequest
+
+        request = RunRequest(
+            board=board,
+            scenario=scenario,
+            profile=profile,
+            seed=seed,
+            overrides=tuple(changes or ()),
+            data_dir=data,
+            out_dir=out,
+            capture=not no_capture,
+        )
+        return execute(request, Outputs(json=json, junit=junit, quiet=quiet))
+
+    guarded(command)
 
 
 def main() -> None:

@@ -5,7 +5,7 @@
         return recorder.finish(…)
 
 Leaving the `with` block without `finish` marks what was written as a run that did not reach its end.
-Batches should span about ten virtual seconds: each costs some hundred microseconds however long it is.
+Batches should span 10 to 30 virtual seconds: each costs some hundred microseconds however long it is.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from host.score.scorer import Scorer
 
 Floats = NDArray[np.float64]
 
-SHOWN_PER_SECOND = 10
+SHOWN_PER_SECOND = 5
 """At most so many solutions a second go into the capture's topic; the raw link traffic holds them all."""
 
 EVENTS_KEPT = 1000
@@ -66,7 +66,7 @@ class Recorder:
         self._innovations: list[Innovation] = []
         self._biases: list[BiasEstimate] = []
         self._finished = False
-        self._last_tenth = -1.0
+        self._last_slot = -1.0
         self._folder = RunFolder(out_dir, manifest) if out_dir is not None else None
         self.capture: CaptureWriter | None = None
         if self._folder is not None:
@@ -192,7 +192,7 @@ class Recorder:
 
     def _all_events(self, duration_s: float) -> tuple[Event, ...]:
         if self._events_left_out:
-            text = f"{self._events_left_out} more events are not listed; the capture holds them all"
+            text = f"{self._events_left_out} more events are not listed"
             return (*self._events, Event(duration_s, "host", text))
         return tuple(self._events)
 
@@ -212,8 +212,8 @@ class Recorder:
             self._biases = []
 
     def _thinned(self, rows: Floats) -> Floats:
-        """The first row of each tenth of a second."""
-        tenths = np.floor(rows[:, 0] * SHOWN_PER_SECOND + 1e-6)
-        chosen = rows[np.diff(tenths, prepend=self._last_tenth) > 0]
-        self._last_tenth = max(self._last_tenth, *tenths[-1:].tolist())
+        """The first row of each fifth of a second."""
+        slots = np.floor(rows[:, 0] * SHOWN_PER_SECOND + 1e-6)
+        chosen = rows[np.diff(slots, prepend=self._last_slot) > 0]
+        self._last_slot = max(self._last_slot, *slots[-1:].tolist())
         return chosen

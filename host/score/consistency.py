@@ -10,25 +10,35 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+Floats = NDArray[np.float64]
+
 DIMENSION = 9
 
 
-def nees(errors: NDArray[np.float64], covariances: NDArray[np.float64]) -> NDArray[np.float64]:
+def nees(errors: Floats, covariances: Floats) -> Floats:
     """ε of each error row (n, 9) with its covariance (n, 9, 9); NaN where it is not positive definite."""
     found = np.full(len(errors), np.nan)
-    for row, (error, covariance) in enumerate(zip(errors, covariances, strict=True)):
-        if not (np.all(np.isfinite(error)) and np.all(np.isfinite(covariance))):
-            continue
-        scale = np.sqrt(np.maximum(np.diag(covariance), 0.0))
-        if np.any(scale == 0):
-            continue
-        try:
-            factor = np.linalg.cholesky(covariance / np.outer(scale, scale))
-        except np.linalg.LinAlgError:
-            continue
-        whitened = np.linalg.solve(factor, error / scale)
-        found[row] = whitened @ whitened
+    variances = np.diagonal(covariances, axis1=1, axis2=2)
+    usable = np.isfinite(errors).all(axis=1) & np.isfinite(covariances).all(axis=(1, 2))
+    usable &= (variances > 0).all(axis=1)
+    scale = np.sqrt(variances[usable])
+    found[usable] = _whitened(
+        errors[usable] / scale, covariances[usable] / (scale[:, :, None] * scale[:, None])
+    )
     return found
+
+
+def _whitened(errors: Floats, correlations: Floats) -> Floats:
+    """ε with correlation matrices, all at once, or one by one where one of them is not positive definite."""
+    try:
+        factors = np.linalg.cholesky(correlations)
+    except np.linalg.LinAlgError:
+        if len(errors) == 1:
+            return np.array([np.nan])
+        pairs = zip(errors[:, None], correlations[:, None], strict=True)
+        return np.concatenate([_whitened(error, correlation) for error, correlation in pairs])
+    white: Floats = np.linalg.solve(factors, errors[:, :, None])[:, :, 0]
+    return np.asarray(np.sum(white * white, axis=1))
 
 
 def departure(mean: float | None) -> float | None:
@@ -38,7 +48,7 @@ def departure(mean: float | None) -> float | None:
     return max(mean / DIMENSION, DIMENSION / mean)
 
 
-def from_upper_triangle(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def from_upper_triangle(values: Floats) -> Floats:
     """The symmetric 9 × 9 matrix of its 45 upper-triangle elements, row by row."""
     matrix = np.empty((DIMENSION, DIMENSION))
     rows, columns = np.triu_indices(DIMENSION)

@@ -1,11 +1,14 @@
 """The command line as people and CI use it, with a recorded synthetic run behind it."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
 import time
 import types
 from dataclasses import replace
+from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
@@ -16,6 +19,8 @@ from boards.validation import DescriptionError
 from host.cli.main import app
 from host.record.errors import UserError
 from host.sim.scenario.errors import ScenarioError
+
+ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -197,6 +202,40 @@ def test_ctrl_c_ends_with_130_in_a_line(navtwin, board_runs):
     done = navtwin("run", "car_mems")
     assert done.exit_code == 130
     assert done.stderr == "navtwin: interrupted; what was written so far is marked as incomplete\n"
+
+
+SLOW_RUN = """
+import sys, time, types
+sys.path.insert(0, sys.argv[1])
+import synthetic_run
+from host.record.recorder import Recorder
+def run(request):
+    with Recorder(synthetic_run.manifest(), request.out_dir) as recorder:
+        synthetic_run.feed(recorder)
+        print("running", flush=True)
+        time.sleep(60)
+module = types.ModuleType("host.run.runner")
+module.run = run
+sys.modules["host.run.runner"] = module
+sys.argv[1:] = ["run", "car_mems", "--out", "cut"]
+from host.cli.main import main
+main()
+"""
+
+
+def test_ctrl_c_in_a_real_process_leaves_a_marked_folder(tmp_path):
+    command = [sys.executable, "-c", SLOW_RUN, str(Path(__file__).parent)]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(
+        command, cwd=tmp_path, text=True, env=os.environ | {"PYTHONPATH": str(ROOT)}, **pipes
+    ) as run:
+        assert run.stdout.readline() == "running\n"
+        run.send_signal(signal.SIGINT)
+        _, messages = run.communicate(timeout=20)
+    assert run.returncode == 130
+    assert messages == "navtwin: interrupted; what was written so far is marked as incomplete\n"
+    assert json.loads((tmp_path / "cut" / "manifest.json").read_text())["status"] == "interrupted by the user"
+    assert (tmp_path / "cut" / "run.mcap.part").is_file()
 
 
 def test_a_defect_shows_where_and_is_not_taken_for_a_verdict(navtwin, board_runs, capsys):

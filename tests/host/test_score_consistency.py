@@ -27,11 +27,11 @@ def test_draws_from_the_covariance_have_mean_nine_and_the_chi_square_quantile():
     np.testing.assert_allclose(values[0], errors[0] @ np.linalg.inv(P) @ errors[0], rtol=1e-9)
 
 
-@pytest.mark.parametrize("spoil", [-1.0, 0.0, np.nan])
-def test_a_covariance_that_is_not_positive_definite_gives_no_figure(spoil):
-    P = np.eye(9)
-    P[4, 4] = spoil
-    assert np.isnan(nees(np.ones((1, 9)), P[None])).all()
+@pytest.mark.parametrize(("row", "column", "spoil"), [(4, 4, -1.0), (4, 4, 0.0), (2, 2, np.nan), (1, 2, 1.5)])
+def test_a_covariance_that_is_not_positive_definite_gives_no_figure(row, column, spoil):
+    P = np.tile(np.eye(9), (3, 1, 1))
+    P[1, row, column] = P[1, column, row] = spoil
+    np.testing.assert_allclose(nees(np.ones((3, 9)), P), [9.0, np.nan, 9.0])
 
 
 def test_upper_triangle_is_row_by_row():
