@@ -40,7 +40,10 @@ def along(speed, angle_e5deg):
     """speed · cos(angle) in the unit of `speed`, rounded; |speed| < 2³², |angle| ≤ 360°."""
     rest = abs(angle_e5deg)
     quarter = np.int64(0)
-    while rest >= QUARTER_E5DEG:
+    if rest >= 2 * QUARTER_E5DEG:
+        rest -= 2 * QUARTER_E5DEG
+        quarter += 2
+    if rest >= QUARTER_E5DEG:
         rest -= QUARTER_E5DEG
         quarter += 1
     x = (rest * PER_E5DEG) >> 26
