@@ -3,7 +3,7 @@
 import struct
 
 import pytest
-from neo_m8n_rig import SECOND, Rig, line, lines, nmea, quiet_rig, ubx, ubx_messages
+from neo_m8n_rig import SECOND, Rig, line, lines, nmea, nmea_messages, quiet_rig, ubx, ubx_messages
 
 ACK_RATE = bytes.fromhex("B5 62 05 01 02 00 06 08 16 3F")
 NAK_MSG = bytes.fromhex("B5 62 05 00 02 00 06 01 0E 33")
@@ -198,7 +198,9 @@ def test_poll_of_any_message_answers_with_the_newest_solution(rig: Rig) -> None:
 
 def test_pubx_polls(rig: Rig) -> None:
     rig.say(b"$PUBX,00*33\r\n$PUBX,03*30\r\n$PUBX,04*37\r\n")
-    printed = lines(rig.run(0.9))
+    heard = rig.run(0.9)
+    printed = lines(heard)
+    assert [message.msgId for message in nmea_messages(heard)] == ["00", "03", "04"]
     assert printed[0][:-3] == (
         "$PUBX,00,092729.00,5030.12345,N,00415.54321,W,135.500,G3,1.2,2.0,18.000,53.13,-0.250,,0.95,1.27,0.90,5,0,0"
     )
