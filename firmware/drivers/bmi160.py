@@ -91,7 +91,10 @@ class Bmi160Config:
             (Register.ACC_RANGE, 0x05),
             (Register.GYR_CONF, bandwidth << 4 | odr),
             (Register.GYR_RANGE, 0x03),
-            (Register.INT_OUT_CTRL, 0x0A if self.data_ready_pin else 0x00),  # INT1 out, push-pull, active high
+            (
+                Register.INT_OUT_CTRL,
+                0x0A if self.data_ready_pin else 0x00,
+            ),  # INT1 out, push-pull, active high
             (Register.INT_LATCH, 0x00),  # a pulse for each sample
             (Register.INT_MAP_1, 0x80 if self.data_ready_pin else 0x00),  # data ready to INT1
             (Register.INT_EN_1, 0x10 if self.data_ready_pin else 0x00),

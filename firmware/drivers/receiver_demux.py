@@ -86,36 +86,56 @@ def begin_message(s, at, mode):
 
 
 @kernel
-def hunt(s, c, at):
-    """Between messages: the byte `c` at position `at` begins one, or is garbage; the next position."""
-    if c == DOLLAR:
-        begin_message(s, at, SENTENCE)
-    elif c == SYNC_1:
-        begin_message(s, at, FRAME)
-    elif c != CARRIAGE_RETURN and c != LINE_FEED:
-        s[GARBAGE] += 1
-    return at + 1
+def hunt(s, ring, position):
+    """Between messages: look for the first byte of one, the rest is garbage; the next position."""
+    mask = s[RING_MASK]
+    end = s[CHUNK_END]
+    at = position
+    garbage = np.int64(0)
+    while at < end:
+        c = np.int64(ring[at & mask])
+        if c == DOLLAR:
+            begin_message(s, at, SENTENCE)
+            end = at
+        elif c == SYNC_1:
+            begin_message(s, at, FRAME)
+            end = at
+        elif c != CARRIAGE_RETURN and c != LINE_FEED:
+            garbage += 1
+        at += 1
+    s[GARBAGE] += garbage
+    return at
 
 
 @kernel
-def within_sentence(s, c, at):
-    """One character of a sentence; the next position to look at."""
-    if c == STAR:
-        s[FIELD + s[FIELD_COUNT]] = at + 1
-        s[MODE] = FIRST_DIGIT
-        return at + 1
-    if c < 32 or c > 126 or c == DOLLAR:
-        s[TRUNCATED] += 1
-        s[MODE] = HUNTING
-        return at
-    if c == COMMA and s[FIELD_COUNT] < FIELD_LIMIT:
-        s[FIELD + s[FIELD_COUNT]] = at + 1
-        s[FIELD_COUNT] += 1
-    s[CHECK] ^= c
-    if at - s[START] >= LONGEST_SENTENCE:
+def within_sentence(s, ring, position):
+    """The characters of a sentence up to its star; the next position to look at."""
+    mask = s[RING_MASK]
+    limit = s[START] + LONGEST_SENTENCE
+    end = min(s[CHUNK_END], limit)
+    at = position
+    check = s[CHECK]
+    while at < end:
+        c = np.int64(ring[at & mask])
+        if c == STAR:
+            s[FIELD + s[FIELD_COUNT]] = at + 1
+            s[MODE] = FIRST_DIGIT
+            s[CHECK] = check
+            return at + 1
+        if c < 32 or c > 126 or c == DOLLAR:
+            s[TRUNCATED] += 1
+            s[MODE] = HUNTING
+            return at
+        if c == COMMA and s[FIELD_COUNT] < FIELD_LIMIT:
+            s[FIELD + s[FIELD_COUNT]] = at + 1
+            s[FIELD_COUNT] += 1
+        check ^= c
+        at += 1
+    s[CHECK] = check
+    if at == limit:
         s[OVERLONG] += 1
         s[MODE] = HUNTING
-    return at + 1
+    return at
 
 
 @kernel
@@ -191,17 +211,19 @@ def within_frame(s, ring):
 
 
 @kernel
-def look_at(s, ring, at):
-    """Look at the byte at position `at`; the next position. A message that it ends is then in MESSAGE."""
-    c = np.int64(ring[at & s[RING_MASK]])
+def look_on(s, ring, at):
+    """Look on from position `at`, at most to CHUNK_END; the next position.
+
+    A message that was received in full meanwhile is then in MESSAGE.
+    """
     mode = s[MODE]
     if mode == SENTENCE:
-        return within_sentence(s, c, at)
+        return within_sentence(s, ring, at)
     if mode == FRAME:
         return within_frame(s, ring)
     if mode == HUNTING:
-        return hunt(s, c, at)
-    return within_checksum(s, ring, c, at)
+        return hunt(s, ring, at)
+    return within_checksum(s, ring, np.int64(ring[at & s[RING_MASK]]), at)
 
 
 @kernel
@@ -239,7 +261,7 @@ def demultiplex(s, ring, position, end, now_ns, epoch):
     while s[READY] == 0 and (silent or at < s[CHUNK_END]):
         if at < s[CHUNK_END]:
             s[MESSAGE] = NONE
-            at = look_at(s, ring, at)
+            at = look_on(s, ring, at)
             if s[MESSAGE] != NONE:
                 apply_message(s, ring, epoch)
         elif s[MODE] == FRAME:
