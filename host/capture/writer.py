@@ -110,11 +110,14 @@ class CaptureWriter:
         times_ns = np.rint(np.maximum(rows[:, 0], 0.0) * 1e9).astype(np.int64).tolist()
         for t_ns, message in zip(times_ns, text.texts(rows), strict=True):
             self._writer.add_message(channel, t_ns, message, t_ns)
+        if times_ns:
+            self._flush_due(times_ns[-1])
 
     def event(self, t_ns: int, source: str, text: str) -> None:
         """Something worth telling."""
         message = json.dumps({"t_s": t_ns / 1e9, "source": source, "text": text}, separators=(",", ":"))
         self._writer.add_message(self._events, t_ns, message.encode(), t_ns)
+        self._flush_due(t_ns)
 
     # -- the file ----------------------------------------------------------------------------------
 

@@ -57,10 +57,9 @@ def print_verdict(console: Console, result: RunResult) -> None:
 
 
 def _table(section: Section, rows: tuple[tuple[str, ...], ...]) -> Table:
-    table = Table(
-        title=section.title, caption=section.note or None, box=SIMPLE_HEAD, title_justify="left",
-        title_style="bold", caption_justify="left", caption_style="dim", pad_edge=False,
-    )  # fmt: skip
+    note = ("\n" + section.note, "not bold dim") if section.note else ""
+    title = Text.assemble((section.title, "bold"), note)
+    table = Table(title=title, title_justify="left", title_style="", box=SIMPLE_HEAD, pad_edge=False)
     for place, name in enumerate(section.columns):
         table.add_column(name, justify="left" if place < section.words else "right", overflow="fold")
     for row in rows:

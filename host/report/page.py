@@ -85,7 +85,7 @@ def _cards(result: RunResult) -> str:
         (number(metrics.get("velocity_rms_mps"), "m/s"), "velocity RMS"),
         (number(_larger(metrics.get("roll_rms_deg"), metrics.get("pitch_rms_deg")), "°"), "roll, pitch RMS"),
         (number(metrics.get("yaw_rms_deg"), "°"), "yaw RMS"),
-        (number(metrics.get("nees_mean")), "mean NEES (9 is honest)"),
+        (number(metrics.get("nees_mean")), "mean NEES (honest: 9)"),
     ]
     if result.outages:
         drift = number(metrics.get("outage_horizontal_drift_median_m"), "m")

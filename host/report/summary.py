@@ -90,7 +90,7 @@ def _errors(result: RunResult) -> Section:
     columns = ("error", "fused RMS", "95 %", "max", "GNSS alone RMS", "95 %", "max")
     note = (
         f"{count(result.metrics.get('epochs'))} epochs: GNSS valid, 10 s after re-acquisition, "
-        "the grace after alignment over; the same ones for both"
+        "a while after alignment; the same for both"
     )
     return Section("Errors against the truth", columns, tuple(rows), note=note)
 
@@ -98,8 +98,8 @@ def _errors(result: RunResult) -> Section:
 def _quality(result: RunResult) -> Section:
     figures = result.metrics
     rows = [
-        ("NEES mean (9 is honest)", number(figures.get("nees_mean"))),
-        ("NEES 95 % (16.9 is honest)", number(figures.get("nees_p95"))),
+        ("NEES mean (honest: 9)", number(figures.get("nees_mean"))),
+        ("NEES 95 % (honest: 16.9)", number(figures.get("nees_p95"))),
         ("aligned after, s", number(figures.get("aligned_at_s"))),
         ("solution available", percent(figures.get("availability"))),
         ("GNSS fix", percent(result.gnss.get("fix_share"))),

@@ -161,6 +161,15 @@ def test_after_kill_minus_nine_less_than_a_second_is_missing(tmp_path):
     assert [r.start_ns for r in read] == [tick * 10_000_000 for tick in range(len(read))]
 
 
+def test_decoded_rows_alone_are_written_out_as_well(tmp_path):
+    capture = CaptureWriter(tmp_path / "run.mcap", {"board": "car_mems"})
+    for second in range(20):
+        capture.rows("/solution", np.full((1, len(SOLUTION.columns)), float(second)))
+    read = list(CaptureReader(tmp_path / "run.mcap.part"))
+    assert [record.value["t_s"] for record in read] == list(range(20))[: len(read)]
+    assert len(read) >= 19
+
+
 def test_an_interrupted_run_keeps_its_provisional_name_but_is_whole(tmp_path):
     write(tmp_path / "run.mcap", close=False)
     assert [p.name for p in tmp_path.iterdir()] == ["run.mcap.part"]
