@@ -12,7 +12,7 @@ from greenlet import greenlet
 from hal.emulated.cpu import EmulatedCpu, PowerOff, SpinError, switch_to_host
 from hal.emulated.virtual_time import VirtualTime
 
-STALL_LIMIT_S = 10.0
+STALL_LIMIT_S = 60.0
 """Wall-clock seconds without any progress of virtual time after which a firmware loop is called endless."""
 
 

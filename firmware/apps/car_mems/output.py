@@ -1,8 +1,151 @@
-"""stub"""
+"""Everything the board says: link frames and NMEA on the host port, CAN, the log on the card."""
+
+from __future__ import annotations
+
+from firmware.apps.car_mems.acquisition import Acquisition
+from firmware.apps.car_mems.gnss_port import GnssPort
+from firmware.apps.car_mems.navigation import Navigation
+from firmware.apps.car_mems.settings import Settings
+from firmware.drivers import gnss_epoch as gnss
+from firmware.link import frames
+from firmware.nav import solution as record
+from hal.board_io import BoardIo
+
+LOG_SYNC_BLOCKS = 8
+LOG_BLOCK = 4096
+DAY_MS = 86_400_000
+EARLIEST_NS = 0
+
+
 class Output:
-    def __init__(self, io, settings, navigation, gnss, acquisition): self.n=navigation; self.log=[]
-    def send(self):
-        self.n.fill_solution(); 
-    def send_slow(self): pass
-    def send_text(self, t): print(t)
-    def write_log(self): pass
+    """Packs and sends; what finds no room on a port is counted and dropped, never waited for."""
+
+    def __init__(
+        self,
+        io: BoardIo,
+        settings: Settings,
+        navigation: Navigation,
+        gnss_port: GnssPort,
+        acquisition: Acquisition,
+    ) -> None:
+        self.dropped = 0
+        self._navigation = navigation
+        self._gnss = gnss_port
+        self._acquisition = acquisition
+        self._uart = io.uart["host"]
+        self._write = self._uart.write
+        self._writer = frames.FrameWriter()
+        self._cpu = io.cpu
+        self._frame_cost = io.cpu.cost("solution_frame")
+        self._slow_cost = io.cpu.cost("slow_frames")
+        self._log_cost = io.cpu.cost("log_block")
+        self._log = io.logs.get("sdcard")
+        self._log_buffer = bytearray()
+        self._blocks_unsynced = 0
+        gnss_port.updated = self.send_epoch
+
+    def send(self) -> None:
+        """The solution at the output rate."""
+        navigation = self._navigation
+        navigation.fill_solution()
+        f, i = navigation.floats.tolist(), navigation.integers.tolist()
+        self._send(
+            self._writer.pack(
+                frames.SOLUTION,
+                i[record.TIME_NS] // 1000,
+                *self._utc(i[record.TIME_NS]),
+                i[record.MODE],
+                i[record.FLAGS],
+                i[record.LAT_NANODEG],
+                i[record.LON_NANODEG],
+                *f,
+            )
+        )
+        self._cpu.spend(self._frame_cost)
+
+    def send_epoch(self) -> None:
+        """After a filter update: the receiver's epoch and the innovations it made."""
+        e = self._gnss.epoch.tolist()
+        self._send(
+            self._writer.pack(
+                frames.GNSS,
+                max(e[gnss.VALID_NS], EARLIEST_NS) // 1000,
+                e[gnss.TIME_OF_DAY_MS],
+                e[gnss.DATE_DAYS],
+                e[gnss.FLAGS],
+                e[gnss.LAT_NANODEG],
+                e[gnss.LON_NANODEG],
+                e[gnss.HEIGHT_MM],
+                e[gnss.HEIGHT_MSL_MM],
+                e[gnss.SPEED_MMPS],
+                e[gnss.COURSE_E5DEG],
+                e[gnss.VEL_N_MMPS],
+                e[gnss.VEL_E_MMPS],
+                e[gnss.VEL_D_MMPS],
+                min(e[gnss.SATELLITES], 0xFF),
+                min(e[gnss.HDOP_CENTI], 0xFFFF),
+                e[gnss.H_ACC_MM],
+                e[gnss.V_ACC_MM],
+            )
+        )
+        time_ns, mask, values = self._navigation.innovation()
+        if mask:
+            self._send(self._writer.pack(frames.INNOVATION, max(time_ns, 0) // 1000, mask, *values))
+        self._cpu.spend(self._frame_cost)
+
+    def send_slow(self) -> None:
+        """Once a second: covariance, slow states, status."""
+        navigation, heard = self._navigation, self._gnss.stream.statistics()
+        now_us = int(navigation.i[0]) // 1000
+        self._send(self._writer.pack(frames.COVARIANCE, now_us, *navigation.covariance()))
+        self._send(self._writer.pack(frames.BIAS, now_us, *navigation.biases()))
+        navigation.fill_solution()
+        mode, flags = navigation.integers[record.MODE], navigation.integers[record.FLAGS]
+        self._send(
+            self._writer.pack(
+                frames.STATUS,
+                now_us,
+                int(mode),
+                int(flags),
+                self._gnss.epochs & 0xFFFFFFFF,
+                self._acquisition.reads & 0xFFFFFFFF,
+                navigation.samples_missed & 0xFFFFFFFF,
+                navigation.samples_repeated & 0xFFFFFFFF,
+                heard.bad_checksums & 0xFFFF,
+                heard.garbage & 0xFFFF,
+                self.dropped & 0xFFFF,
+                self._acquisition.starts & 0xFF,
+                int(self._gnss.pulse_dated),
+            )
+        )
+        self._cpu.spend(self._slow_cost)
+
+    def send_text(self, message: str) -> None:
+        """A line for people."""
+        self._send(self._writer.text(message))
+
+    def write_log(self) -> None:
+        """From the background: whole blocks to the card, made safe now and then."""
+        log, buffer = self._log, self._log_buffer
+        while log is not None and len(buffer) >= LOG_BLOCK:
+            log.append(bytes(buffer[:LOG_BLOCK]))
+            del buffer[:LOG_BLOCK]
+            self._cpu.spend(self._log_cost)
+            self._blocks_unsynced += 1
+            if self._blocks_unsynced >= LOG_SYNC_BLOCKS:
+                self._blocks_unsynced = 0
+                log.sync()
+
+    def _send(self, frame: bytes) -> None:
+        if self._write(frame) != len(frame):
+            self.dropped += 1
+        self._log_buffer += frame
+
+    def _utc(self, time_ns: int) -> tuple[int, int]:
+        """(UTC time of day in ms, date) of a board time, by the last dated epoch."""
+        epoch = self._gnss.epoch
+        if not int(epoch[gnss.FLAGS]) & gnss.HAS_TIME:
+            return frames.NO_TIME_OF_DAY, frames.NO_DATE
+        since_ms = (time_ns - int(epoch[gnss.VALID_NS])) // 1_000_000
+        days, time_of_day = divmod(int(epoch[gnss.TIME_OF_DAY_MS]) + since_ms, DAY_MS)
+        return time_of_day, (int(epoch[gnss.DATE_DAYS]) + days) & 0xFFFF
