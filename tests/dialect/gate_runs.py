@@ -13,7 +13,7 @@ REPOSITORY = HERE.parents[1]
 
 @dataclass(frozen=True, slots=True)
 class GateReport:
-    """Breaches as (kernel, rule) -> detail, and how long it took."""
+    """Breaches as (kernel, rule) -> detail, and the processor time it took."""
 
     seconds: float
     problems: dict[tuple[str, str], str]

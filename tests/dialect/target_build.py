@@ -38,7 +38,9 @@ ADVICE = (
 
 def make_pointer_kernel(function: Any, signature: Signature | None) -> Any:
     """Decorator: the dispatcher of `function`, to be compiled with bare pointers for its arrays."""
-    dispatcher: Any = numba.njit(error_model="numpy", boundscheck=False, fastmath=False)(function)
+    options = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
+    nothing_for_python = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    dispatcher: Any = numba.njit(**options, **nothing_for_python)(function)
     if signature is None:
         compile_once_for_all_literals(dispatcher)
     else:
