@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import ValidationError
 
 from host.sim.errors.drawn import draw_specimen
 from host.sim.errors.inertial_sensor import InertialSensor
@@ -127,11 +126,6 @@ def _motion(scenario: Scenario, seed: int) -> Motion:
         )
         blend = scenario.trajectory.blend_s if matrix is None else 0.0
         return Motion(segments, state, origin, blend, _disturbance(scenario.sway, scenario.vibration, seed))
-    except ValidationError as error:
-        detail = error.errors()[0]
-        raise ScenarioError(
-            f"{scenario.path or scenario.name}: trajectory.matrix: {detail['loc']}: {detail['msg']}"
-        ) from None
     except ValueError as error:
         raise ScenarioError(f"{scenario.path or scenario.name}: {error}") from None
 

@@ -35,7 +35,9 @@ def derivative(s, f, w, out):
     x, y, z, vx, vy, vz, q0, q1, q2, q3 = s
     lat, lon, h = geodetic(x, y, z)
     sp2 = math.sin(lat) ** 2
-    g0 = 9.7803253359 * (1.0 + (B * 9.8321849378 / (A * 9.7803253359) - 1.0) * sp2) / math.sqrt(1.0 - E2 * sp2)
+    g0 = (
+        9.7803253359 * (1.0 + (B * 9.8321849378 / (A * 9.7803253359) - 1.0) * sp2) / math.sqrt(1.0 - E2 * sp2)
+    )
     g = g0 * (1.0 - 2.0 / A * (1.0 + F + M_RATIO - 2.0 * F * sp2) * h + 3.0 * h * h / (A * A))
     r = (
         (1 - 2 * (q2 * q2 + q3 * q3), 2 * (q1 * q2 - q0 * q3), 2 * (q1 * q3 + q0 * q2)),
@@ -58,7 +60,7 @@ def derivative(s, f, w, out):
 
 @numba.njit(cache=True)
 def integrate(state, force, rate, step):
-    """State (10,): r_e, v_e, q_eb. Force and rate (2n + 1, 3) at half steps. Returns the state after n steps."""
+    """State (10,): r_e, v_e, q_eb. Force and rate (2n + 1, 3) at half steps. The state after n steps."""
     s = state.copy()
     k = np.empty((4, 10))
     for i in range((force.shape[0] - 1) // 2):

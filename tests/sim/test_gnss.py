@@ -20,7 +20,9 @@ def errors(w, receiver, seconds):
     epochs = [receiver.epoch(int(t)) for t in times]
     here = rotation_ecef_to_ned(truth.latitude[0], truth.longitude[0])
     true = geodetic_to_ecef(truth.latitude, truth.longitude, truth.height)
-    given = geodetic_to_ecef(*(np.array([getattr(e, k) for e in epochs]) for k in ("latitude", "longitude", "height")))
+    given = geodetic_to_ecef(
+        *(np.array([getattr(e, k) for e in epochs]) for k in ("latitude", "longitude", "height"))
+    )
     return (given - true) @ here.T, np.array([e.velocity_ned for e in epochs]) - truth.v_ned, epochs
 
 
@@ -46,11 +48,13 @@ def test_position_error_is_white_plus_gauss_markov():
 
 
 def test_the_lever_arm_moves_the_antenna():
-    quiet = {k: 0.0 for k in ("position_white_m", "position_markov_m", "velocity_white_mps")}
+    quiet = dict.fromkeys(("position_white_m", "position_markov_m", "velocity_white_mps"), 0.0)
     w = world(initial={"yaw_deg": 90.0}, gnss=quiet)
     centre, roof = w.gnss("a").epoch(0), w.gnss("b", np.array([2.0, 0.0, -1.5])).epoch(0)
     # forward is east: two metres east, 1.5 m up
-    assert (roof.longitude - centre.longitude) * RADIUS * math.cos(centre.latitude) == pytest.approx(2.0, rel=0.01)
+    assert (roof.longitude - centre.longitude) * RADIUS * math.cos(centre.latitude) == pytest.approx(
+        2.0, rel=0.01
+    )
     assert roof.latitude == pytest.approx(centre.latitude, abs=1e-12)
     assert roof.height - centre.height == pytest.approx(1.5, abs=1e-9)
 
@@ -62,7 +66,9 @@ def test_latency_is_drawn_once_a_run():
     receiver = world(3).gnss("U3")
     assert len({receiver.epoch(k * SECOND).latency_ns for k in range(5)}) == 1
     jittering = world(3, gnss={"latency_jitter_s": 0.004}).gnss("U3")
-    assert np.std([jittering.epoch(k * SECOND).latency_ns * 1e-9 for k in range(200)]) == pytest.approx(0.004, rel=0.2)
+    assert np.std([jittering.epoch(k * SECOND).latency_ns * 1e-9 for k in range(200)]) == pytest.approx(
+        0.004, rel=0.2
+    )
 
 
 def test_an_outage_takes_the_signals_and_recovers_after_its_delay():
@@ -87,7 +93,13 @@ def test_gps_time_starts_at_the_scenarios_utc():
 
 def test_time_and_position_jumps_strike_and_are_counted():
     faults = [
-        {"kind": "gnss-time-jump", "target": "U3", "at_s": 5.0, "duration_s": 3.0, "parameters": {"offset_s": -0.25}},
+        {
+            "kind": "gnss-time-jump",
+            "target": "U3",
+            "at_s": 5.0,
+            "duration_s": 3.0,
+            "parameters": {"offset_s": -0.25},
+        },
         {"kind": "gnss-position-jump", "target": "U3", "at_s": 20.0, "parameters": {"north_m": 100.0}},
         {"kind": "uart-cut", "target": "U3", "at_s": 1.0},
     ]
@@ -129,7 +141,12 @@ def test_dilutions_are_those_of_the_geometry():
     used = [s for s in sky.satellites if s.used]
     sights = np.array(
         [
-            [math.cos(s.elevation) * math.cos(s.azimuth), math.cos(s.elevation) * math.sin(s.azimuth), -math.sin(s.elevation), 1.0]
+            [
+                math.cos(s.elevation) * math.cos(s.azimuth),
+                math.cos(s.elevation) * math.sin(s.azimuth),
+                -math.sin(s.elevation),
+                1.0,
+            ]
             for s in used
         ]
     )

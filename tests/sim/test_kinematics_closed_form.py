@@ -108,12 +108,21 @@ def test_rates_are_the_derivatives_of_attitude_and_velocity(t):
         tuple(
             Sinusoid(target, size, 1.0 + 0.37 * k, 0.1 * k)
             for k, (target, size) in enumerate(
-                [("roll", 0.02), ("pitch", 0.03), ("yaw", 0.01), ("shift_x", 0.01), ("shift_y", 0.02), ("shift_z", 0.03)]
+                [
+                    ("roll", 0.02),
+                    ("pitch", 0.03),
+                    ("yaw", 0.01),
+                    ("shift_x", 0.01),
+                    ("shift_y", 0.02),
+                    ("shift_z", 0.03),
+                ]
             )
         ),
         Coning(0.05, 1.3),
     )
-    rates = SegmentRates([wave(100.0, 1.0, 9.0, 0.3)], [wave(100.0, 0.3, 7.0, 0.0)], end_pitch=0.3, end_roll=-0.2)
+    rates = SegmentRates(
+        [wave(100.0, 1.0, 9.0, 0.3)], [wave(100.0, 0.3, 7.0, 0.0)], end_pitch=0.3, end_roll=-0.2
+    )
     m = motion([Plain(100.0, rates)], MotionState(6.0, 0.5, 0.1, 0.05), disturbance=shaking)
     h = 20_000
     at = round(t * SECOND)

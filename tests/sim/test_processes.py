@@ -27,7 +27,9 @@ def test_gauss_markov_is_stationary_and_forgets_at_its_rate(correlation_s):
         pairs = x[:-lag] * x[lag:]
         correlation = pairs.mean() / (x * x).mean()
         independent = COUNT * len(pairs) / max(lag, 1)
-        assert correlation == pytest.approx(math.exp(-lag * step / correlation_s), abs=4 / math.sqrt(independent))
+        assert correlation == pytest.approx(
+            math.exp(-lag * step / correlation_s), abs=4 / math.sqrt(independent)
+        )
 
 
 def test_linear_interpolation_between_nodes_lacks_little_variance():

@@ -37,7 +37,9 @@ def pyins_errors(rate_hz, seconds):
     attitude = transform.mat_to_rph(rows[0, 6:15].reshape(3, 3))
     start = np.hstack((np.degrees(rows[0, :2]), rows[0, 2:6], attitude))
     pva = pd.Series(start, index=LLA_COLS + VEL_COLS + RPH_COLS, name=0.0)
-    end = strapdown.Integrator(pva).integrate(strapdown.compute_increments_from_imu(imu, "increment")).iloc[-1]
+    end = (
+        strapdown.Integrator(pva).integrate(strapdown.compute_increments_from_imu(imu, "increment")).iloc[-1]
+    )
     north, _, parallel = earth.principal_radii(end.lat, end.alt)
     return np.array(
         [

@@ -127,7 +127,7 @@ def test_the_numeric_form_steps_where_its_document_steps():
 )
 def test_any_drive_ends_where_its_segments_lead(rows):
     m = drive(rows, 0.4)
-    speed, yaw, r = speed_and_yaw(m, [m.end_ns])
+    speed, _, r = speed_and_yaw(m, [m.end_ns])
     wanted = next((row[2] for row in reversed(rows) if row[0] == 3), 10.0)
     assert speed[0] == pytest.approx(wanted, abs=1e-9)
     assert r[0, 5] == pytest.approx(0.0, abs=1e-12)

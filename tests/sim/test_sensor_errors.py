@@ -32,7 +32,9 @@ def test_fixed_bias_and_scale():
         "accelerometer": {"bias_mg": 10.0, "scale_percent": [1.0, -2.0, 0.5]},
     }
     plain, wrong = sampled(world().imu("a"), 10, 1), sampled(world(imu=imu).imu("a"), 10, 1)
-    np.testing.assert_allclose(wrong[:, 3:6] - plain[:, 3:6], np.tile([0.3 * DPS, -0.2 * DPS, 0.1 * DPS], (10, 1)))
+    np.testing.assert_allclose(
+        wrong[:, 3:6] - plain[:, 3:6], np.tile([0.3 * DPS, -0.2 * DPS, 0.1 * DPS], (10, 1))
+    )
     expected = plain[:, :3] * [1.01, 0.98, 1.005] + 10 * MG
     np.testing.assert_allclose(wrong[:, :3], expected, rtol=1e-12)
 
@@ -64,9 +66,15 @@ def test_turn_on_draws_have_the_sigma_of_the_preset():
     assert abs(np.corrcoef(bias_g, bias_a)[0, 1]) < 0.22
 
 
-@pytest.mark.parametrize(("bandwidth_hz", "density_factor"), [(50.0, 1.0), (20.0, 1.0), (150.0, math.sqrt(3.0))])
+@pytest.mark.parametrize(
+    ("bandwidth_hz", "density_factor"), [(50.0, 1.0), (20.0, 1.0), (150.0, math.sqrt(3.0))]
+)
 def test_white_noise_keeps_its_density_whatever_the_filter(bandwidth_hz, density_factor):
-    imu = {"preset": "perfect", "gyro": {"noise_dps_per_rthz": 0.007}, "accelerometer": {"noise_ug_per_rthz": 180.0}}
+    imu = {
+        "preset": "perfect",
+        "gyro": {"noise_dps_per_rthz": 0.007},
+        "accelerometer": {"noise_ug_per_rthz": 180.0},
+    }
     data = sampled(world(imu=imu).imu("a"), 100, 600, bandwidth_hz)
     for column, density in ((0, 180e-3 * MG), (4, 0.007 * DPS)):
         values = data[:, column] - data[:, column].mean()
@@ -130,7 +138,9 @@ def test_truth_tells_the_bias_that_the_sensor_has():
     measured = sampled(w.imu("a"), 50, 400)[:, 3:6].mean(axis=0)
     true_rate = sampled(ideal.imu("a"), 50, 1)[0, 3:6]
     truth = w.truth(np.arange(0, 400) * SECOND)
-    np.testing.assert_allclose(measured - true_rate, truth.bias_g.mean(axis=0), atol=4 * 0.0053 * DPS / math.sqrt(400))
+    np.testing.assert_allclose(
+        measured - true_rate, truth.bias_g.mean(axis=0), atol=4 * 0.0053 * DPS / math.sqrt(400)
+    )
 
 
 def test_without_a_sensor_the_bias_is_not_known():

@@ -26,8 +26,9 @@ _UNITS = {
 
 
 def explain(error: ValidationError, model: type[BaseModel], source: str) -> str:
-    """The first thing that is wrong, in one line."""
-    first = error.errors()[0]
+    """One thing that is wrong, in one line: a misspelt key before what it leaves missing, else the first."""
+    errors = error.errors()
+    first = next((e for e in errors if e["type"] == "extra_forbidden"), errors[0])
     owner, path, key = _locate(model, first["loc"])
     value = _shown(first["input"])
     kind = first["type"]
@@ -53,7 +54,7 @@ def _reason(first: Any, key: str) -> str:
         return "must be a finite number" + (f" of {unit}" if unit and "_" in key else "")
     if first["type"] == "list_type":
         return "must be a list; a list of tables is headed [[…]] with double brackets"
-    message = str(first["msg"]).removeprefix("Value error, ")
+    message = str(first["msg"]).removeprefix("Value error, ").replace("Input should be", "must be")
     return message[:1].lower() + message[1:]
 
 

@@ -8,11 +8,12 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, field_validator, model_validator
+from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
 
 from host.sim.errors.presets import load_preset
 from host.sim.errors.schema import ImuErrors
 from host.sim.gnss.settings import GnssSettings
+from host.sim.scenario.motion_matrix import segment_of_row
 from host.sim.scenario.motion_schema import AnySegment
 from host.sim.schema import NotNegative, Positive, Table
 
@@ -28,10 +29,17 @@ class Place(Table):
     geoid_separation_m: float = Field(default=0.0, ge=-120.0, le=100.0, examples=[-12.0])
 
 
+def _as_text(value: Any) -> Any:
+    """TOML has times of its own; keep them as text."""
+    return value.isoformat() if isinstance(value, datetime) else value
+
+
 class Start(Table):
     """UTC at the start of the run."""
 
-    utc: str = Field(default="2024-05-14T08:00:00Z", examples=["2024-05-14T08:00:00Z"])
+    utc: Annotated[str, BeforeValidator(_as_text)] = Field(
+        default="2024-05-14T08:00:00Z", examples=["2024-05-14T08:00:00Z"]
+    )
     leap_seconds: int = Field(default=18, ge=0, le=60, examples=[18])
 
     @field_validator("utc")
@@ -64,6 +72,10 @@ class Initial(Table):
     roll_deg: float = Field(default=0.0, ge=-89.0, le=89.0, examples=[0.0])
 
 
+def _row(values: list[float]) -> str:
+    return "[" + ", ".join(f"{value:g}" for value in values) + "]"
+
+
 class Trajectory(Table):
     """How segments are joined. `matrix` = rows of source 002, table 3-1, followed to the letter."""
 
@@ -71,6 +83,20 @@ class Trajectory(Table):
     matrix: list[Annotated[list[float], Field(min_length=2, max_length=4)]] | None = Field(
         default=None, examples=[[[1, 60, 0, 0], [3, 10, 12, 0], [7, 8, 0, 90]]]
     )
+
+    @field_validator("matrix")
+    @classmethod
+    def _rows_are_segments(cls, value: list[list[float]] | None) -> list[list[float]] | None:
+        for number, row in enumerate(value or [], start=1):
+            try:
+                segment_of_row(row)
+            except ValidationError as error:
+                first = error.errors()[0]
+                detail = first["msg"].replace("Input should be", "must be")
+                raise ValueError(f"row {number} {_row(row)}: {first['loc'][0]} {detail}") from None
+            except ValueError as error:
+                raise ValueError(f"row {number} {_row(row)}: {error}") from None
+        return value
 
 
 class Sway(Table):
