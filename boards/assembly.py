@@ -65,6 +65,7 @@ class AssembledBoard:
     chips: dict[str, Any] = field(default_factory=dict)
     """Chip models by reference designator."""
     nets: dict[str, Net] = field(default_factory=dict)
+    logs: dict[str, EmulatedLogFile] = field(default_factory=dict)
     _ports: dict[str, EmulatedUart] = field(default_factory=dict)
     _can_ports: dict[str, EmulatedCanController] = field(default_factory=dict)
 
@@ -173,6 +174,8 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
     def mine(table: Mapping[str, Any]) -> list[str]:
         return [name for name, part in table.items() if part.processor == processor]
 
+    for name in mine(description.logs):
+        board.logs[name] = EmulatedLogFile(cpu, surroundings.log_sink(name))
     own_buses = mine(description.buses)
     spi = {
         chip.name or refdes: board.spi_devices[chip.name or refdes]
@@ -201,7 +204,7 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
             if pin.use == "capture"
         },
         timers={name: EmulatedPeriodicTimer(cpu) for name in mine(description.timers)},
-        logs={name: EmulatedLogFile(cpu, surroundings.log_sink(name)) for name in mine(description.logs)},
+        logs={name: board.logs[name] for name in mine(description.logs)},
     )
 
 

@@ -47,6 +47,10 @@ class Program(Protocol):
         """From the reset vector; called again after a reset. Need not return."""
         ...
 
+    def spoil(self) -> None:
+        """Leave NaN in the navigation state, as a defective kernel would: the fault injector's door."""
+        ...
+
     def memory(self) -> bytes:
         """The navigation state as it lies in memory, for comparing runs."""
         ...

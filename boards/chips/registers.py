@@ -137,14 +137,13 @@ class RegisterFile:
             self.values[register.address] = register.reset
 
     def read(self, address: int, time_ns: int) -> int:
-        """One byte for the bus. An address without a register and a write-only register read as 0."""
+        """One byte for the bus. An address without a register reads as 0, a write-only register as last written."""
         register = self.registers.get(address)
         if register is None:
             self._log.report(ReportKind.UNDOCUMENTED_ADDRESS, f"0x{address:02X}", "read", time_ns)
             return 0
         if register.access is Access.WRITE:
-            self._log.report(ReportKind.WRITE_ONLY, register.name, "reads as 0", time_ns)
-            return 0
+            self._log.report(ReportKind.WRITE_ONLY, register.name, "read", time_ns)
         value = self.values[address]
         hook = self.after_read.get(address)
         if hook is not None:

@@ -204,6 +204,8 @@ class EmulatedCanBus:
     def end_disturbance(self, strike: Callable[[], None]) -> None:
         """The disturbance with this `strike` has passed."""
         self.catch_up()
+        if self._plan and not self._plan[0].succeeds and self._plan[0].begin < self.time.now:
+            strike()
         self._disturbances.remove(strike)
         for node in self._nodes:
             if node.off_until == FAR and not self._disturbances:

@@ -148,6 +148,10 @@ class EmulatedCpu:
         elapsed = time_ns - self._boot_ns
         return elapsed + elapsed * self.crystal_error_ppb // SECOND
 
+    def start_trace(self) -> None:
+        """Record the next TRACE_LENGTH activations in `trace`."""
+        self.trace = []
+
     def virtual_ns(self, clock_ns: int) -> int:
         """The virtual time at which this processor's clock showed `clock_ns` (since its last reset)."""
         return self._boot_ns + clock_ns * SECOND // (SECOND + self.crystal_error_ppb)

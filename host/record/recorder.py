@@ -132,11 +132,16 @@ class Recorder:
         buses: Sequence[BusUse] = (),
         faults: Sequence[FaultUse] = (),
         expect: Mapping[str, Limit] | None = None,
+        gnss_extra: Mapping[str, float | None] | None = None,
     ) -> RunResult:
-        """Score the run, write what is left to write, and tell the result."""
+        """Score the run, write what is left to write, and tell the result.
+
+        `gnss_extra`: figures about the receiver that the caller has measured itself.
+        """
         self._pass_on_slow_rows()
         score = self._scorer.result(duration_s)
-        figures = flat_figures(score.metrics, score.gnss, cpu, buses, faults)
+        gnss = {**score.gnss, **(gnss_extra or {})}
+        figures = flat_figures(score.metrics, gnss, cpu, buses, faults)
         result = RunResult(
             board=self._manifest["board"],
             scenario=self._manifest["scenario"],
@@ -146,7 +151,7 @@ class Recorder:
             wall_s=wall_s,
             state_hash=state_hash,
             metrics=score.metrics,
-            gnss=score.gnss,
+            gnss=gnss,
             outages=score.outages,
             cpu=tuple(cpu),
             buses=tuple(buses),

@@ -2,15 +2,59 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
+from numpy.typing import NDArray
 
-from boards.chips.world import GnssWorld, ImuWorld
+from boards.chips.world import GnssEpoch, GnssWorld, ImuWorld
 from boards.description import Chip
 from host.sim.world import World
+
+
+DAY_MS = 86_400_000
+EPOCHS_REMEMBERED = 4096
+
+
+@dataclass(frozen=True)
+class Installation:
+    """Where sensor and antenna sit on the vehicle, as the scorer needs it."""
+
+    C_b_s: NDArray[np.float64]
+    antenna_lever_arm: NDArray[np.float64]
+
+
+class ReceiverSight:
+    """A receiver's world that remembers when each epoch it gave was really valid."""
+
+    def __init__(self, world: GnssWorld) -> None:
+        self._world = world
+        self._valid_ns: OrderedDict[int, int] = OrderedDict()
+
+    def epoch(self, time_ns: int) -> GnssEpoch:
+        """The solution valid at `time_ns`."""
+        epoch = self._world.epoch(time_ns)
+        time_of_day_ms = round(epoch.gps_time_ns / 1e6) - epoch.leap_seconds * 1000
+        self._valid_ns[time_of_day_ms % DAY_MS] = time_ns
+        if len(self._valid_ns) > EPOCHS_REMEMBERED:
+            self._valid_ns.popitem(last=False)
+        return epoch
+
+    def fired(self, fault_name: str) -> int:
+        """How many epochs a fault of the receiver's own solution has struck."""
+        glitches = getattr(self._world, "glitches", ())
+        return sum(glitch.fired for glitch in glitches if glitch.name == fault_name)
+
+    def validity_ns(
+        self, time_of_day_ms: NDArray[np.float64], otherwise_ns: NDArray[np.int64]
+    ) -> NDArray[np.int64]:
+        """True validity of epochs told by their UTC time of day; `otherwise_ns` where that is not known."""
+        pairs = zip(time_of_day_ms.tolist(), otherwise_ns.tolist(), strict=True)
+        return np.array([self._valid_ns.get(int(ms), other) for ms, other in pairs], dtype=np.int64)
 
 
 class Surroundings:
@@ -18,6 +62,7 @@ class Surroundings:
 
     def __init__(self, world: World, log_dir: Path | None) -> None:
         self.world = world
+        self.sights: dict[str, ReceiverSight] = {}
         self._log_dir = log_dir
         self._files: list[BinaryIO] = []
 
@@ -27,7 +72,8 @@ class Surroundings:
 
     def gnss(self, refdes: str, chip: Chip) -> GnssWorld:
         """Satellites and errors of one receiver."""
-        return self.world.gnss(refdes, np.array(chip.lever_arm_m))
+        self.sights[refdes] = ReceiverSight(self.world.gnss(refdes, np.array(chip.lever_arm_m)))
+        return self.sights[refdes]
 
     def log_sink(self, name: str) -> Callable[[bytes], None]:
         """A file of that name in the output folder, or nowhere when there is none."""

@@ -10,12 +10,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
 from firmware.apps.car_mems.acquisition import Acquisition
 from firmware.apps.car_mems.background import Background
 from firmware.apps.car_mems.gnss_port import GnssPort
 from firmware.apps.car_mems.navigation import Navigation
 from firmware.apps.car_mems.output import Output
 from firmware.apps.car_mems.settings import Settings
+from firmware.nav import layout
 from hal.board_io import BoardIo
 
 
@@ -46,6 +49,11 @@ class CarMems:
         gnss.begin()
         tasks.begin()
         background.run()
+
+    def spoil(self) -> None:
+        """Leave NaN in the velocity, as a defective kernel would."""
+        if self._navigation is not None:
+            self._navigation.f[layout.VELOCITY] = np.nan
 
     def memory(self) -> bytes:
         """The navigation state as it lies in memory."""

@@ -1,0 +1,207 @@
+"""A scenario's faults, put where they strike.
+
+| kind | target | parameters |
+| --- | --- | --- |
+| spi-bit-errors | SPI device | probability a bit, line = "miso" or "mosi" |
+| spi-missing | SPI device | level = true: reads 0xFF, false: 0x00 |
+| spi-register | SPI device | register, value: reads of one register give value (a wrong chip id) |
+| chip-reset, chip-off | reference designator | supply dip; supply off for the duration |
+| uart-cut | UART | cable pulled: nothing reaches the processor |
+| uart-bit-errors | UART | probability a bit |
+| uart-truncation | UART | keep bytes of each message |
+| uart-wrong-baud | UART | baud at which the other end sends |
+| uart-garbage | UART | length in bytes of noise |
+| can-disturbance | CAN bus | no frame gets through |
+| log-removed | log | the card is pulled |
+| nav-nan | processor | a kernel leaves NaN behind in its state |
+| cpu-reset | processor | reset of the processor |
+| gnss-time-jump, gnss-position-jump | reference designator of the receiver | struck by the simulator itself |
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from boards.assembly import AssembledBoard
+from hal.emulated import faults as wire_faults
+from hal.emulated.virtual_time import FAR, SECOND
+from host.record.errors import UserError, did_you_mean
+from host.record.result import FaultUse
+from host.run.surroundings import ReceiverSight
+from host.sim.gnss.faults import GNSS_FAULT_KINDS
+from host.sim.scenario.schema import Fault
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A fault in its place; `fired` tells how often it has struck."""
+
+    fault: Fault
+    fired: Callable[[], int]
+
+    def use(self) -> FaultUse:
+        """The row of the result."""
+        fault = self.fault
+        return FaultUse(name_of(fault), fault.kind, fault.target, fault.at_s, fault.duration_s, self.fired())
+
+
+def name_of(fault: Fault) -> str:
+    """What a fault is called in results."""
+    return fault.name or f"{fault.kind} {fault.target}"
+
+
+def place_faults(faults: Sequence[Fault], board: AssembledBoard, sights: dict[str, ReceiverSight], seed: int) -> list[Placed]:
+    """Install all faults. Raises UserError for a kind, target or parameter that does not exist."""
+    return [_place(fault, board, sights, seed) for fault in faults]
+
+
+def _place(fault: Fault, board: AssembledBoard, sights: dict[str, ReceiverSight], seed: int) -> Placed:
+    if fault.kind in GNSS_FAULT_KINDS:
+        sight = _target(fault, sights, "receiver")
+        return Placed(fault, lambda: sight.fired(fault.name or fault.kind))
+    maker = KINDS.get(fault.kind)
+    if maker is None:
+        hint = did_you_mean(fault.kind, [*KINDS, *GNSS_FAULT_KINDS])
+        raise UserError(f"fault {name_of(fault)!r}: no kind of fault {fault.kind!r}; {hint}")
+    start = round(fault.at_s * SECOND)
+    end = FAR if fault.duration_s is None else start + round(fault.duration_s * SECOND)
+    try:
+        return Placed(fault, maker(Site(fault, board, start, end, seed)))
+    except (TypeError, ValueError, KeyError) as error:
+        raise UserError(f"fault {name_of(fault)!r} ({fault.kind}): {error}") from None
+
+
+@dataclass(frozen=True)
+class Site:
+    """Where and when one fault is to strike."""
+
+    fault: Fault
+    board: AssembledBoard
+    start: int
+    end: int
+    seed: int
+
+    def of(self, table: dict[str, Any], what: str) -> Any:
+        """The target in one of the board's tables."""
+        return _target(self.fault, table, what)
+
+    def parameters(self, **defaults: Any) -> dict[str, Any]:
+        """The fault's parameters over their defaults. Raises ValueError for an unknown one."""
+        for key, value in self.fault.parameters.items():
+            if key not in defaults:
+                known = ", ".join(f"{name} = {default!r}" for name, default in defaults.items()) or "none"
+                raise ValueError(f"parameters.{key} = {value!r} is unknown; parameters are: {known}")
+        return {**defaults, **self.fault.parameters}
+
+
+def _target(fault: Fault, table: Any, what: str) -> Any:
+    if fault.target not in table:
+        hint = did_you_mean(fault.target, table)
+        raise UserError(f"fault {name_of(fault)!r}: the board has no {what} {fault.target!r}; {hint}")
+    return table[fault.target] if isinstance(table, dict) else None
+
+
+def _on_spi(kind: type[wire_faults.SpiFault], **defaults: Any) -> Callable[[Site], Callable[[], int]]:
+    def place(site: Site) -> Callable[[], int]:
+        options = site.parameters(**defaults)
+        if kind is wire_faults.SpiBitErrors:
+            options |= {"seed": site.seed, "name": name_of(site.fault)}
+        fault = kind(site.start, site.end, **options)
+        fault.install(site.of(site.board.spi_devices, "SPI device"))
+        return lambda: fault.fired
+
+    return place
+
+
+def _on_uart(
+    kind: Callable[..., wire_faults.UartFault], seeded: bool = False, **defaults: Any
+) -> Callable[[Site], Callable[[], int]]:
+    def place(site: Site) -> Callable[[], int]:
+        options = site.parameters(**defaults)
+        if seeded:
+            options |= {"seed": site.seed, "name": name_of(site.fault)}
+        times = (site.start,) if kind is wire_faults.UartGarbage else (site.start, site.end)
+        fault = kind(*times, **options)
+        fault.install(site.of(site.board.to_board, "UART"))
+        return lambda: fault.fired
+
+    return place
+
+
+def _disturb_can(site: Site) -> Callable[[], int]:
+    site.parameters()
+    fault = wire_faults.CanDisturbance(site.start, site.end)
+    fault.install(site.of(site.board.can_buses, "CAN bus"))
+    return lambda: fault.fired
+
+
+def _once(
+    site: Site, begin: Callable[[], Any], end: Callable[[], Any] | None = None
+) -> Callable[[], int]:
+    """A fault that happens at an instant, and perhaps ends at another."""
+    site.parameters()
+    fired = 0
+
+    def strike() -> None:
+        nonlocal fired
+        fired += 1
+        begin()
+
+    def pass_over() -> None:
+        if end is not None:
+            end()
+
+    site.board.time.at(site.start, strike)
+    if end is not None and site.end < FAR:
+        site.board.time.at(site.end, pass_over)
+    return lambda: fired
+
+
+def _reset_chip(site: Site) -> Callable[[], int]:
+    chip = site.of(site.board.chips, "chip")
+
+    def dip() -> None:
+        chip.power(False)
+        chip.power(True)
+
+    return _once(site, dip)
+
+
+def _switch_chip_off(site: Site) -> Callable[[], int]:
+    chip = site.of(site.board.chips, "chip")
+    return _once(site, lambda: chip.power(False), lambda: chip.power(True))
+
+
+def _pull_card(site: Site) -> Callable[[], int]:
+    log = site.of(site.board.logs, "log")
+    return _once(site, log.remove, log.insert)
+
+
+def _spoil_state(site: Site) -> Callable[[], int]:
+    program = site.of(site.board.programs, "processor")
+    return _once(site, program.spoil)
+
+
+def _reset_cpu(site: Site) -> Callable[[], int]:
+    cpu = site.of(site.board.cpus, "processor")
+    return _once(site, lambda: cpu.reset("fault of the scenario"))
+
+
+KINDS: dict[str, Callable[[Site], Callable[[], int]]] = {
+    "spi-bit-errors": _on_spi(wire_faults.SpiBitErrors, probability=1e-4, line="miso"),
+    "spi-missing": _on_spi(wire_faults.SpiMissingChip, level=True),
+    "spi-register": _on_spi(wire_faults.SpiRegisterOverride, register=0x00, value=0x00),
+    "chip-reset": _reset_chip,
+    "chip-off": _switch_chip_off,
+    "uart-cut": _on_uart(wire_faults.UartCut),
+    "uart-bit-errors": _on_uart(wire_faults.UartBitErrors, seeded=True, probability=1e-3),
+    "uart-truncation": _on_uart(wire_faults.UartTruncation, keep=20),
+    "uart-wrong-baud": _on_uart(wire_faults.UartWrongBaud, baud=38_400),
+    "uart-garbage": _on_uart(wire_faults.UartGarbage, seeded=True, length=500),
+    "can-disturbance": _disturb_can,
+    "log-removed": _pull_card,
+    "nav-nan": _spoil_state,
+    "cpu-reset": _reset_cpu,
+}

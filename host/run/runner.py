@@ -1,0 +1,204 @@
+"""The runner: one request, one run of virtual time, one result."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+
+from boards.assembly import AssembledBoard, assemble
+from boards.description import board_folder
+from boards.validation import DescriptionError
+from hal.can import CanFrame
+from hal.emulated.virtual_time import SECOND
+from host.record.errors import UserError
+from host.record.manifest import build_manifest
+from host.record.recorder import Recorder
+from host.record.result import Progress, RunRequest, RunResult
+from host.run.faults import Placed, name_of, place_faults
+from host.run.intake import LinkIntake
+from host.run.setup import Setup, resolve
+from host.run.surroundings import Installation, Surroundings
+from host.run.usage import bus_use, cpu_use, task_traces
+from host.score.expectations import check_names
+from host.score.rules import ScoringRules
+from host.sim.scenario.errors import ScenarioError
+from host.sim.world import World
+
+CHUNK_NS = 20 * SECOND
+"""Virtual time between two looks at what has come over the wires."""
+TRACE_AT_NS = 100 * SECOND
+RECORDING_RULES = ScoringRules(after_alignment_s=10.0)
+"""A recording is a minute long: a minute of grace would leave nothing to score."""
+
+
+def run(request: RunRequest) -> RunResult:
+    """Run a board. Raises UserError for whatever the user can mend."""
+    with _user_errors():
+        setup = resolve(request)
+        check_names(setup.scenario.expect, _parts(setup))
+        world = World(setup.scenario, request.seed, request.data_dir)
+    recording = setup.scenario.kind == "recording"
+    manifest = build_manifest(
+        setup.board.name,
+        (board_folder(request.board) / "board.toml").read_text(),
+        setup.scenario.name,
+        setup.scenario.path.read_text() if setup.scenario.path else "",
+        setup.profile_name,
+        request.seed,
+        request.overrides,
+    )
+    outages = [(w.start_ns / SECOND, (w.end_ns - w.start_ns) / SECOND) for w in world.outages]
+    with Recorder(
+        manifest,
+        request.out_dir,
+        capture=request.capture,
+        outages=outages,
+        rules=RECORDING_RULES if recording else None,
+        fit_recording=recording,
+    ) as recorder:
+        surroundings = Surroundings(world, request.out_dir)
+        try:
+            return _run(request, setup, world, surroundings, recorder)
+        finally:
+            surroundings.close()
+
+
+def _run(
+    request: RunRequest, setup: Setup, world: World, surroundings: Surroundings, recorder: Recorder
+) -> RunResult:
+    with _user_errors():
+        board = assemble(setup.board, setup.profile, surroundings)
+        faults = place_faults(setup.scenario.fault, board, surroundings.sights, request.seed)
+    intake = LinkIntake(board, world, recorder, _only_sight(surroundings), _installation(setup))
+    digest = OutputDigest(board)
+    _record_traffic(board, recorder)
+    wall_s = _work_off(board, world.duration_ns, intake, request.progress)
+    for trace in task_traces(board):
+        recorder.add_trace(trace)
+    for name, cpu in board.cpus.items():
+        for at_ns, cause in cpu.resets:
+            recorder.add_event(at_ns, name, f"processor reset: {cause}")
+    duration_ns = world.duration_ns
+    return recorder.finish(
+        duration_s=duration_ns / SECOND,
+        wall_s=wall_s,
+        state_hash=digest.hexdigest(),
+        cpu=cpu_use(board, duration_ns),
+        buses=bus_use(board, duration_ns),
+        faults=[placed.use() for placed in faults],
+        expect=setup.scenario.expect,
+        gnss_extra=intake.tags.figures(),
+    )
+
+
+def _work_off(board: AssembledBoard, duration_ns: int, intake: LinkIntake, progress: Progress | None) -> float:
+    """Let all virtual time pass; returns the wall-clock seconds it took, generation and scoring included."""
+    for cpu in board.cpus.values():
+        board.time.at(min(TRACE_AT_NS, duration_ns // 2), lambda cpu=cpu: cpu.start_trace())  # type: ignore[misc]
+    begin = time.perf_counter()
+    now = 0
+    while now < duration_ns:
+        now = min(now + CHUNK_NS, duration_ns)
+        board.machine.run_until(now)
+        intake.flush(now)
+        if progress is not None:
+            progress(now / SECOND, duration_ns / SECOND)
+    wall_s = time.perf_counter() - begin
+    board.machine.power_off()
+    return wall_s
+
+
+def _record_traffic(board: AssembledBoard, recorder: Recorder) -> None:
+    """Let the capture hear everything on every wire."""
+    capture = recorder.capture
+    if capture is None:
+        return
+    for name, device in board.spi_devices.items():
+        device.observer = capture.spi_recorder(f"{device.bus.name}.{name}")
+    for direction, wires in (("rx", board.to_board), ("tx", board.from_board)):
+        for port, wire in wires.items():
+            wire.connect(_UartTap(capture.uart_recorder(port, direction)))
+    for name, bus in board.can_buses.items():
+        record = capture.can_recorder(name)
+        bus.listen(_can_tap(record))
+
+
+class _UartTap:
+    def __init__(self, record) -> None:  # type: ignore[no-untyped-def]
+        self._record = record
+
+    def receive(self, data: bytes, time_ns: int) -> None:
+        self._record(time_ns, data)
+
+
+def _can_tap(record):  # type: ignore[no-untyped-def]
+    def heard(frame: CanFrame, end_ns: int) -> None:
+        record(end_ns, frame.identifier, frame.extended, frame.data)
+
+    return heard
+
+
+class OutputDigest:
+    """SHA-256 of all bytes the board sent, per wire, and of its final navigation state."""
+
+    def __init__(self, board: AssembledBoard) -> None:
+        self._board = board
+        self._hash = hashlib.sha256()
+        for wire in board.from_board.values():
+            wire.connect(self)
+        for bus in board.can_buses.values():
+            bus.listen(self._can)
+
+    def receive(self, data: bytes, _time_ns: int) -> None:
+        """Bytes of a UART."""
+        self._hash.update(data)
+
+    def _can(self, frame: CanFrame, _end_ns: int) -> None:
+        self._hash.update(frame.data)
+
+    def hexdigest(self) -> str:
+        """The hash, after the run."""
+        for program in self._board.programs.values():
+            self._hash.update(program.memory())
+        return self._hash.hexdigest()
+
+
+def _only_sight(surroundings: Surroundings):  # type: ignore[no-untyped-def]
+    return next(iter(surroundings.sights.values()))
+
+
+def _installation(setup: Setup) -> Installation:
+    chips = setup.board.chips.values()
+    imu = next(chip for chip in chips if chip.world == "imu")
+    receiver = next(chip for chip in chips if chip.world == "gnss")
+    return Installation(np.array(imu.mounting), np.array(receiver.lever_arm_m))
+
+
+def _parts(setup: Setup) -> dict[str, list[str]]:
+    board = setup.board
+    return {
+        "cpu": list(board.processors),
+        "buses": [
+            *(name for name, bus in board.buses.items() if bus.kind == "spi"),
+            *(f"{name}.{direction}" for name in board.uarts for direction in ("rx", "tx")),
+            *board.can,
+        ],
+        "faults": [name_of(fault) for fault in setup.scenario.fault],
+    }
+
+
+@contextmanager
+def _user_errors() -> Iterator[None]:
+    """Turn errors of descriptions into the one error that the command line shows without a traceback."""
+    try:
+        yield
+    except (DescriptionError, ScenarioError) as error:
+        raise UserError(str(error)) from None
+
+
+__all__ = ["Placed", "run"]
