@@ -55,6 +55,14 @@ def radii_and_gravity(sin_lat: float, height: float) -> tuple[float, float, floa
     return n * (1.0 - E2) * by_w * by_w + height, n + height, g
 
 
+def radians_per_metre(latitude: float, height: float) -> tuple[float, float]:
+    """Change of latitude for a metre north and of longitude for a metre east."""
+    sin_lat, cos_lat = math.sin(latitude), math.cos(latitude)
+    w2 = 1.0 - E2 * sin_lat * sin_lat
+    n = SEMI_MAJOR / math.sqrt(w2)
+    return 1.0 / (n * (1.0 - E2) / w2 + height), 1.0 / ((n + height) * cos_lat)
+
+
 def geodetic_to_ecef(
     latitude: NDArray[np.float64], longitude: NDArray[np.float64], height: NDArray[np.float64]
 ) -> NDArray[np.float64]:

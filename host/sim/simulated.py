@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from host.sim.errors.drawn import draw_specimen
 from host.sim.errors.inertial_sensor import InertialSensor
 from host.sim.errors.presets import load_preset, with_overrides
-from host.sim.gnss.faults import glitches_of
 from host.sim.gnss.receiver import SimulatedReceiver
 from host.sim.gnss.schedule import Window, window
 from host.sim.scenario.errors import ScenarioError
@@ -43,7 +42,6 @@ class SimulatedVehicle:
         self.duration_ns = self.motion.end_ns if wanted_s is None else round(wanted_s * NS)
         self.outages: tuple[Window, ...] = tuple(window(o.start_s, o.duration_s) for o in scenario.outage)
         self.sensors: dict[str, InertialSensor] = {}
-        self.receivers: dict[str, SimulatedReceiver] = {}
 
     def imu(self, name: str, mounting: Array, lever_arm: Array, preset: str | None = None) -> InertialSensor:
         """A sensor; `preset` (the board's) counts when the scenario names none."""
@@ -65,7 +63,7 @@ class SimulatedVehicle:
             state: list[float] = antenna_states(self.motion, np.array([time_ns]), lever)[0, :6].tolist()
             return state
 
-        receiver = SimulatedReceiver(
+        return SimulatedReceiver(
             name,
             scenario.gnss,
             antenna,
@@ -74,10 +72,7 @@ class SimulatedVehicle:
             place.geoid_separation_m,
             self._seed,
             self.outages,
-            glitches_of(scenario.fault, name, self.duration_ns),
         )
-        self.receivers[name] = receiver
-        return receiver
 
     def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
         """Truth at the vehicle's origin; biases of the sensor `imu`, else of the first one."""

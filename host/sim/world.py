@@ -9,6 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from boards.chips.world import GnssWorld, ImuWorld
+from host.sim.gnss.faults import glitches_of
+from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.gnss.schedule import Window
 from host.sim.scenario.schema import Scenario
 from host.sim.simulated import SimulatedVehicle
@@ -76,9 +78,14 @@ class World:
         return self._vehicle.imu(name, rotation, lever, preset)
 
     def gnss(self, name: str, lever_arm: Array | None = None) -> GnssWorld:
-        """The world of the receiver `name` with its antenna at `lever_arm` (body axes, m)."""
+        """The world of the receiver `name` with its antenna at `lever_arm` (body axes, m).
+
+        With faults of its own it has `glitches`, which count how often they struck.
+        """
         lever = np.zeros(3) if lever_arm is None else np.asarray(lever_arm, dtype=np.float64)
-        return self._vehicle.gnss(name, lever)
+        receiver = self._vehicle.gnss(name, lever)
+        glitches = glitches_of(self.scenario.fault, name, self.duration_ns)
+        return GlitchedReceiver(receiver, glitches) if glitches else receiver
 
     def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
         """Truth at the vehicle's origin at rising times; biases of the sensor `imu` (else the first made)."""

@@ -1,4 +1,4 @@
-"""Solutions of a simulated receiver: truth at the antenna, errors, outages, faults and the sky.
+"""Solutions of a simulated receiver: truth at the antenna, errors, outages and the sky.
 
 Claimed accuracies are honest 1 σ figures: `h_acc` of the horizontal error vector (√2 times one axis),
 `v_acc` of the height, `s_acc` of the velocity vector (√3 times one axis).
@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from boards.chips.world import GnssEpoch
-from host.sim.earth import E2, SEMI_MAJOR
+from host.sim.earth import radians_per_metre
 from host.sim.errors.processes import Process, ProcessBank
 from host.sim.gnss.constellation import Sky, blocked, sky_at
-from host.sim.gnss.schedule import Glitch, Window
+from host.sim.gnss.schedule import Window
 from host.sim.gnss.settings import GnssSettings
 from host.sim.seeding import generator
 from host.sim.trajectory.motion import CHUNK_SHIFT
@@ -43,7 +43,6 @@ class SimulatedReceiver:
         geoid_separation: float,
         seed: int,
         outages: Sequence[Window] = (),
-        glitches: Sequence[Glitch] = (),
     ) -> None:
         self._settings = settings
         self._antenna = antenna
@@ -53,7 +52,6 @@ class SimulatedReceiver:
         reacquisition_ns = round(settings.reacquisition_s * NS)
         self._outages = [Window(w.start_ns, w.end_ns + reacquisition_ns) for w in outages]
         self._blocked = list(outages)
-        self.glitches = list(glitches)
         sigma, time = settings.position_markov_m, settings.position_markov_time_s
         factors = {"north": 1.0, "east": 1.0, "down": settings.vertical_factor}
         self._slow = ProcessBank(
@@ -75,8 +73,8 @@ class SimulatedReceiver:
         sky = self._sky_at(time_ns, lat, lon, height)
         if any(w.holds(time_ns) for w in self._blocked):
             sky = blocked(sky)
-        north, east, down, time_offset_ns = self._position_error(time_ns)
-        m, n = _radii(lat)
+        north, east, down = self._position_error(time_ns)
+        lat_per_m, lon_per_m = radians_per_metre(lat, height)
         s = self._settings
         axis = math.hypot(s.position_white_m, s.position_markov_m)
         noisy = [
@@ -86,10 +84,10 @@ class SimulatedReceiver:
         return GnssEpoch(
             fix=fix,
             time_known=True,
-            gps_time_ns=self._start_gps_ns + time_ns + time_offset_ns,
+            gps_time_ns=self._start_gps_ns + time_ns,
             leap_seconds=self._leap_seconds,
-            latitude=lat + north / (m + height),
-            longitude=lon + east / ((n + height) * math.cos(lat)),
+            latitude=lat + north * lat_per_m,
+            longitude=lon + east * lon_per_m,
             height=height - down,
             geoid_separation=self._geoid_separation,
             velocity_ned=(noisy[0], noisy[1], noisy[2]),
@@ -104,8 +102,8 @@ class SimulatedReceiver:
             latency_ns=self._latency_ns(),
         )
 
-    def _position_error(self, time_ns: int) -> tuple[float, float, float, int]:
-        """North, east, down in m and the time's error in ns."""
+    def _position_error(self, time_ns: int) -> tuple[float, float, float]:
+        """North, east, down in m."""
         chunk = time_ns >> CHUNK_SHIFT
         nodes = self._slow.nodes(chunk)
         k, rest = divmod(time_ns - (chunk << CHUNK_SHIFT), 1 << self._slow.node_shift)
@@ -113,16 +111,10 @@ class SimulatedReceiver:
         slow: NDArray[np.float64] = nodes[k] + x * (nodes[k + 1] - nodes[k])
         white = self._settings.position_white_m
         factors = (1.0, 1.0, self._settings.vertical_factor)
-        error = [
+        north, east, down = (
             float(slow[i]) + white * factors[i] * float(self._white[i].standard_normal()) for i in range(3)
-        ]
-        time_offset_ns = 0
-        for glitch in self.glitches:
-            if glitch.window.holds(time_ns):
-                glitch.fired += 1
-                time_offset_ns += glitch.time_offset_ns
-                error = [e + o for e, o in zip(error, glitch.offset_ned_m, strict=True)]
-        return error[0], error[1], error[2], time_offset_ns
+        )
+        return north, east, down
 
     def _latency_ns(self) -> int:
         jitter = self._settings.latency_jitter_s * float(self._jitter.standard_normal())
@@ -136,9 +128,3 @@ class SimulatedReceiver:
             self._sky = sky_at(gps_time_s, lat, lon, height, list(self._settings.constellations), mask)
             self._sky_index = index
         return self._sky
-
-
-def _radii(latitude: float) -> tuple[float, float]:
-    w2 = 1.0 - E2 * math.sin(latitude) ** 2
-    n = SEMI_MAJOR / math.sqrt(w2)
-    return n * (1.0 - E2) / w2, n
