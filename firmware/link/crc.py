@@ -20,3 +20,11 @@ def crc16(data, begin, end):
         x ^= x >> 4
         crc = np.int32(((crc << 8) ^ (x << 12) ^ (x << 5) ^ x) & 0xFFFF)
     return crc
+
+
+@kernel("void(uint8[::1], int32, int32)")
+def append_crc(data, begin, end):
+    """Write the CRC of data[begin:end] behind it, low byte first."""
+    crc = crc16(data, begin, end)
+    data[end] = np.uint8(crc & 0xFF)
+    data[end + 1] = np.uint8(crc >> 8)

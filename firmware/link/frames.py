@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.drivers.satellite_lists import SYSTEM_NAMES, SatelliteInView
-from firmware.link.crc import crc16
+from firmware.link.crc import append_crc
 
 SYNC: Final = b"\xa5\x5a"
 HEADER_LENGTH: Final = 5
@@ -49,6 +49,11 @@ PAYLOADS: Final = {
 }
 """Payloads of fixed length. TEXT is UTF-8; TASKS and SATELLITES are a head and rows."""
 
+_HEADED: Final = {
+    kind: (Struct("<BBB" + layout.format.removeprefix("<")), layout.size) for kind, layout in PAYLOADS.items()
+}
+"""The same behind type, length and sequence, and the payload's length."""
+
 LIST_HEAD: Final = Struct("<Q")
 TASK_ROW: Final = Struct("<12sIIH")
 """Name (UTF-8, zeros behind it), activations, worst response µs, deadlines missed."""
@@ -67,6 +72,7 @@ class FrameWriter:
         self._buffer = bytearray(HEADER_LENGTH + LONGEST_PAYLOAD + CRC_LENGTH)
         self._buffer[0:2] = SYNC
         self._bytes: NDArray[np.uint8] = np.frombuffer(self._buffer, np.uint8)
+        self._view = memoryview(self._buffer)
         self._sequence = 0
 
     def pack(self, kind: int, *values: float) -> bytes:
@@ -74,9 +80,9 @@ class FrameWriter:
 
         Raises struct.error when their number or a value does not fit.
         """
-        layout = PAYLOADS[kind]
-        layout.pack_into(self._buffer, HEADER_LENGTH, *values)
-        return self._seal(kind, layout.size)
+        layout, length = _HEADED[kind]
+        layout.pack_into(self._buffer, len(SYNC), kind, length, self._sequence, *values)
+        return self._seal(length)
 
     def text(self, message: str) -> bytes:
         """A TEXT frame; what is too long is cut at a whole character."""
@@ -99,20 +105,17 @@ class FrameWriter:
             yield self._copy(SATELLITES, SATELLITE_HEAD.pack(time_us, number, frames) + part)
 
     def _copy(self, kind: int, payload: bytes) -> bytes:
-        self._buffer[HEADER_LENGTH : HEADER_LENGTH + len(payload)] = payload
-        return self._seal(kind, len(payload))
-
-    def _seal(self, kind: int, length: int) -> bytes:
+        length = len(payload)
         buffer = self._buffer
-        buffer[2] = kind
-        buffer[3] = length
-        buffer[4] = sequence = self._sequence
-        self._sequence = (sequence + 1) & 0xFF
+        buffer[len(SYNC) : HEADER_LENGTH] = bytes((kind, length, self._sequence))
+        buffer[HEADER_LENGTH : HEADER_LENGTH + length] = payload
+        return self._seal(length)
+
+    def _seal(self, length: int) -> bytes:
+        self._sequence = (self._sequence + 1) & 0xFF
         end = HEADER_LENGTH + length
-        crc = crc16(self._bytes, 2, end)
-        buffer[end] = crc & 0xFF
-        buffer[end + 1] = crc >> 8
-        return bytes(buffer[: end + CRC_LENGTH])
+        append_crc(self._bytes, len(SYNC), end)
+        return bytes(self._view[: end + CRC_LENGTH])
 
 
 def _satellite_row(satellite: SatelliteInView) -> bytes:
