@@ -49,6 +49,16 @@ def kernel_sources_hash(versions: str) -> str:
     return digest.hexdigest()[:16]
 
 
+def hash_of_folder_outside(source: Path) -> str:
+    """For a kernel outside of firmware (a test's): hash of the files beside it; empty inside firmware."""
+    if source.is_relative_to(_PACKAGE_ROOT / "firmware"):
+        return ""
+    digest = hashlib.sha256()
+    for path in sorted(source.parent.glob("*.py")):
+        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    return digest.hexdigest()
+
+
 def kernel_sources() -> set[Path]:
     """Files of firmware that hold or build kernels, and all firmware files these import, however far."""
     texts = {path: path.read_text(encoding="utf-8") for path in (_PACKAGE_ROOT / "firmware").rglob("*.py")}

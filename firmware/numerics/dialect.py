@@ -29,7 +29,7 @@ from typing import Any, TypeVar, overload
 
 import numpy as np
 
-from firmware.numerics.cache_folder import kernel_cache_folder
+from firmware.numerics.cache_folder import hash_of_folder_outside, kernel_cache_folder
 from firmware.numerics.signature import Signature, parse_signature
 
 F = TypeVar("F", bound=Callable[..., Any])
@@ -118,7 +118,10 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
     # The wrapper for C function pointers is never used; without it compilation is 8 % faster.
     options: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
     options["no_cfunc_wrapper"] = True
-    folder = _cache_folder(kept_as) if signature is not None and kept_as is not None else None
+    folder = None
+    source = Path(function.__code__.co_filename)
+    if signature is not None and kept_as is not None and source.is_file():
+        folder = _cache_folder(kept_as, hash_of_folder_outside(source.resolve()))
     config: Any = numba.config
     # Numba decides where a function's code is kept when it is decorated; other users of numba in this
     # process keep their own place.
@@ -185,11 +188,11 @@ def _check_first_call(dispatcher: Any, signature: Signature) -> None:
 
 
 @functools.cache
-def _cache_folder(kept_as: str) -> Path | None:
+def _cache_folder(kept_as: str, hash_outside: str) -> Path | None:
     import llvmlite.binding
     import numba
 
     config: Any = numba.config
     processor = llvmlite.binding.get_host_cpu_name()
-    versions = (sys.version, numba.__version__, np.__version__, processor, config.OPT, kept_as)
+    versions = (sys.version, numba.__version__, np.__version__, processor, config.OPT, kept_as, hash_outside)
     return kernel_cache_folder(repr(versions))
