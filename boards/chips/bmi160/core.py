@@ -163,7 +163,7 @@ class Core:
             if address == FIFO_DATA:
                 data += self._read_fifo(count - len(data), time_ns)
             else:
-                data.append(self.registers.read(address, time_ns))
+                data.append(self.registers.read(address, time_ns, running_on=bool(data)))
                 address = (address + 1) & 0x7F
         while self._touched:
             self.data.data_read(self._touched.pop(), time_ns)

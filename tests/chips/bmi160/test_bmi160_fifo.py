@@ -339,7 +339,7 @@ def test_full_interrupt_when_the_next_frame_would_not_fit() -> None:
     assert not rig.nets["INT1"].level
 
 
-# -- everything that goes in comes out -------------------------------------------------------------------------
+# -- everything that goes in comes out -----------------------------------------------------------------
 
 
 def climbing(t: Any) -> dict[str, Any]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 from math import pi, radians
 from struct import unpack
 
@@ -201,7 +202,7 @@ def test_range_code_without_a_range_means_two_g() -> None:
 
 def test_burst_reads_one_sampling_instant() -> None:
     """The registers as of the start of the burst, however long it takes."""
-    rig = Rig(motion=lambda t: {name: t for name in ("fx", "fy", "fz", "wx", "wy", "wz")})
+    rig = Rig(motion=lambda t: dict.fromkeys(("fx", "fy", "fz", "wx", "wy", "wz"), t))
     rig.start()
     rig.until(500 * MS - 5_000)
     data = rig.sample()
@@ -250,7 +251,7 @@ def test_sensor_time_bits_toggle_at_the_output_rates(bit: int, rate: int) -> Non
         time = 1_000 * MS + step * 50_000
         data = rig.chip.transaction(b"\x98" + bytes(3), time, time + 1)
         levels.append(int.from_bytes(data[1:], "little") >> bit & 1)
-    toggles = sum(a != b for a, b in zip(levels, levels[1:], strict=False))
+    toggles = sum(a != b for a, b in pairwise(levels))
     assert abs(toggles - rate / 10) <= 1
 
 
@@ -281,8 +282,9 @@ def test_tick_and_instant_are_inverse(ppb: int, start: int, tick: int) -> None:
 @pytest.mark.parametrize(
     ("acc_conf", "bandwidth"),
     [
-        (0x25, 5.06), (0x26, 10.12), (0x27, 20.25), (0x28, 40.5), (0x29, 80), (0x2A, 162), (0x2B, 324), (0x2C, 684),
-        (0x18, 20.25), (0x08, 10.125), (0x07, 5.0625), (0x24, 2.53), (0x21, 5.06 / 16), (0x88, 684), (0xA8, 171),
+        (0x25, 5.06), (0x26, 10.12), (0x27, 20.25), (0x28, 40.5), (0x29, 80), (0x2A, 162), (0x2B, 324),
+        (0x2C, 684), (0x18, 20.25), (0x08, 10.125), (0x07, 5.0625), (0x24, 2.53), (0x21, 5.06 / 16),
+        (0x88, 684), (0xA8, 171),
     ],
 )  # fmt: skip
 def test_accelerometer_bandwidth_that_the_world_is_asked_for(acc_conf: int, bandwidth: float) -> None:
@@ -310,7 +312,7 @@ def test_gyroscope_bandwidth_that_the_world_is_asked_for(gyr_conf: int, bandwidt
 
 @pytest.mark.parametrize(("acc_conf", "ratio"), [(0x18, 2), (0x08, 4), (0x27, 2), (0x26, 4), (0x06, 16)])
 def test_narrower_sensor_has_less_noise_when_the_other_one_is_wide(acc_conf: int, ratio: int) -> None:
-    """The world is asked with the gyroscope's 40 Hz; the accelerometer's variance falls with its bandwidth."""
+    """The world is asked with the gyroscope's 40 Hz; the accelerometer's variance falls with its own."""
     generator = np.random.Generator(np.random.PCG64(1))
     rig = Rig(
         motion=lambda t: {"fx": generator.normal(0.0, 0.5, len(t)), "wx": generator.normal(0.0, 0.5, len(t))}
