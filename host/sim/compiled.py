@@ -20,10 +20,13 @@ from typing import Any, TypeVar
 import llvmlite.binding
 import numba
 import numpy as np
+from numpy.typing import NDArray
 
 from firmware.numerics.cache_folder import kernel_cache_folder
 
 F = TypeVar("F", bound=Callable[..., Any])
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
 

@@ -16,7 +16,7 @@ import math
 
 import numpy as np
 
-from host.sim.compiled import entry, inner
+from host.sim.compiled import Floats, Integers, entry, inner
 from host.sim.earth import EARTH_RATE, gravity, radii
 from host.sim.sine import sincos
 from host.sim.trajectory.kinematics import (
@@ -28,8 +28,6 @@ from host.sim.trajectory.kinematics import (
     OMEGA_DOT,
     OMEGA_IB,
     ROW,
-    Floats,
-    Integers,
     motion_row,
 )
 from host.sim.trajectory.nodes import position_at

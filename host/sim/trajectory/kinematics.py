@@ -16,24 +16,22 @@ measure. Angular acceleration ω̇_ib is exact but for the change of the Earth's
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
-
-from host.sim.compiled import inner
+from host.sim.compiled import Floats, Integers, inner
 from host.sim.earth import EARTH_RATE, radii_and_gravity
 from host.sim.sine import TURNS_PER_RADIAN, TWO_PI, sincos, sincos_turns
-from host.sim.trajectory.tables import (
-    CONE_ANGLE,
-    CONE_FREQUENCY,
-    FIRST,
-    HALF_SPEED_SQUARED,
-    LIMITS,
-    SHAKE_ALWAYS,
-    STARTS,
+from host.sim.trajectory.channels import PITCH, ROLL, SPEED, YAW, channel, find_pieces
+from host.sim.trajectory.shaking import (
+    SHIFT_X,
+    SHIFT_Y,
+    SHIFT_Z,
+    SWAY_PITCH,
+    SWAY_ROLL,
+    SWAY_YAW,
+    envelope,
+    shaking,
+    swell,
 )
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from host.sim.trajectory.tables import CONE_ANGLE, CONE_FREQUENCY
 
 LATITUDE, LONGITUDE, HEIGHT = 0, 1, 2
 VELOCITY = 3
@@ -44,111 +42,9 @@ OMEGA_DOT = 21
 ROW = 24
 """Columns of a row of truth: lat, lon, h, v_n(3), C_n_b(9, by rows), ω_ib_b(3), f_b(3), ω̇_ib_b(3)."""
 
-CHANNELS = 4
-SPEED, YAW, PITCH, ROLL = range(4)
-SWAY_ROLL, SWAY_PITCH, SWAY_YAW, SHIFT_X, SHIFT_Y, SHIFT_Z = range(6)
 PATH_YAW, PATH_PITCH, BODY_YAW, BODY_PITCH, BODY_ROLL, PLACE = range(6)
 ANGLES = 8
 """Width of the scratch for sines of angles; two are spare."""
-
-
-@inner
-def find_pieces(layout: Integers, t_ns: int, row: Integers) -> None:
-    """Move the channels' current rows forward (or back) to the pieces that hold `t_ns`."""
-    for channel in range(CHANNELS):
-        k = row[channel]
-        while k + 1 < layout[FIRST + channel + 1] and layout[STARTS + k + 1] <= t_ns:
-            k += 1
-        while k > layout[FIRST + channel] and layout[STARTS + k] > t_ns:
-            k -= 1
-        row[channel] = k
-
-
-@inner
-def channel(layout: Integers, c: Floats, k: int, t_ns: int) -> tuple[float, float, float]:
-    """Value, first and second derivative of piece `k`."""
-    tau = (t_ns - layout[STARTS + k]) * 1e-9
-    x, d, e = c[k, 7], 0.0, 0.0
-    for i in range(6, -1, -1):
-        e = e * tau + d
-        d = d * tau + x
-        x = x * tau + c[k, i]
-    if c[k, 20] == 0.0:
-        return x, d, 2.0 * e
-    wave, wave1, wave2 = wave_part(c, k, tau)
-    return x + wave, d + wave1, 2.0 * e + wave2
-
-
-@inner
-def wave_part(c: Floats, k: int, tau: float) -> tuple[float, float, float]:
-    """The sine and cosine terms of piece `k` and their derivatives."""
-    w = c[k, 20]
-    s, s1, s2 = c[k, 13], 0.0, 0.0
-    q, q1, q2 = c[k, 19], 0.0, 0.0
-    for i in range(4, -1, -1):
-        s2 = s2 * tau + s1
-        s1 = s1 * tau + s
-        s = s * tau + c[k, 8 + i]
-        q2 = q2 * tau + q1
-        q1 = q1 * tau + q
-        q = q * tau + c[k, 14 + i]
-    sin, cos = sincos(w * tau)
-    return (
-        s * sin + q * cos,
-        (s1 - w * q) * sin + (q1 + w * s) * cos,
-        (2.0 * s2 - 2.0 * w * q1 - w * w * s) * sin + (2.0 * q2 + 2.0 * w * s1 - w * w * q) * cos,
-    )
-
-
-@inner
-def envelope(constants: Floats, v: float, v1: float, v2: float) -> tuple[float, float, float]:
-    """Size of the shaking at a speed, and its derivatives with respect to time."""
-    if constants[SHAKE_ALWAYS] != 0.0:
-        return 1.0, 0.0, 0.0
-    half = constants[HALF_SPEED_SQUARED]
-    x = v * v
-    r = 1.0 / (x + half)
-    first = 2.0 * v * half * r * r
-    second = 2.0 * half * (half - 3.0 * x) * r * r * r
-    return x * r, first * v1, second * v1 * v1 + first * v2
-
-
-@inner
-def shaking(layout: Integers, bank: Floats, t_ns: int, waves: Floats, out: Floats) -> None:
-    """Sums of the bank at `t_ns`: out (6, 3) = value and two derivatives per target; `waves` is scratch."""
-    t = t_ns * 1e-9
-    for i in range(bank.shape[1]):
-        waves[0, i], waves[1, i] = sincos_turns(bank[0, i] * t + bank[1, i])
-    for target in range(6):
-        value, first, second = 0.0, 0.0, 0.0
-        for i in range(layout[LIMITS + target], layout[LIMITS + target + 1]):
-            value += bank[2, i] * waves[0, i]
-            first += bank[3, i] * waves[1, i]
-            second -= bank[4, i] * waves[0, i]
-        out[target, 0] = value
-        out[target, 1] = first
-        out[target, 2] = second
-
-
-@inner
-def swell(out: Floats, e: float, e1: float, e2: float) -> None:
-    """Multiply values and derivatives (6, 3) by the envelope."""
-    for i in range(6):
-        value, first = out[i, 0], out[i, 1]
-        out[i, 2] = e2 * value + 2.0 * e1 * first + e * out[i, 2]
-        out[i, 1] = e1 * value + e * first
-        out[i, 0] = e * value
-
-
-@inner
-def path_velocity(layout: Integers, c: Floats, row: Integers, t_ns: int) -> tuple[float, float, float]:
-    """v_n of the path without vibration, for the integration of the position."""
-    v, _, _ = channel(layout, c, row[SPEED], t_ns)
-    yaw, _, _ = channel(layout, c, row[YAW], t_ns)
-    pitch, _, _ = channel(layout, c, row[PITCH], t_ns)
-    sy, cy = sincos(yaw)
-    sp, cp = sincos(pitch)
-    return v * cp * cy, v * cp * sy, -v * sp
 
 
 @inner

@@ -13,9 +13,9 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from host.sim.compiled import entry
+from host.sim.compiled import Floats, Integers, entry
 from host.sim.trajectory.disturbance import Disturbance
-from host.sim.trajectory.kinematics import ANGLES, ROW, Floats, Integers, motion_row
+from host.sim.trajectory.kinematics import ANGLES, ROW, motion_row
 from host.sim.trajectory.nodes import integrate_nodes, position_at
 from host.sim.trajectory.segments import MotionState, Segment, build_channels
 from host.sim.trajectory.tables import MotionTables, compile_tables

@@ -14,10 +14,10 @@ import math
 
 import numpy as np
 
-from host.sim.compiled import entry, inner
+from host.sim.compiled import Floats, Integers, entry, inner
 from host.sim.earth import radii
 from host.sim.sine import sincos
-from host.sim.trajectory.kinematics import Floats, Integers, find_pieces, path_velocity
+from host.sim.trajectory.channels import find_pieces, path_velocity
 
 _ROOT15 = math.sqrt(15.0)
 STAGES = np.array([0.5 - _ROOT15 / 10.0, 0.5, 0.5 + _ROOT15 / 10.0])
