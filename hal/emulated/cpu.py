@@ -352,14 +352,14 @@ class EmulatedCpu:
 
     def _raise_reset(self) -> None:
         """Handler of the reset request: forget everything and unwind the firmware."""
+        for hook in self.reset_hooks:
+            hook()
         self.pending = self._enabled = 0
         for line in self.lines.values():
             line.open = RESET_BIT
         self._thread_open = self.open_lines = RESET_BIT
         self._running = None
         self._nested_ns = self._polls = 0
-        for hook in self.reset_hooks:
-            hook()
         raise ProcessorReset(self._reset_cause)
 
 

@@ -34,7 +34,10 @@ class Fault:
     def _schedule(self, time: VirtualTime, begin: Callable[[], None], end: Callable[[], None]) -> None:
         if self.end_ns <= time.now:
             raise ValueError(f"fault ends at {self.end_ns} ns, which has passed (now {time.now} ns)")
-        time.at(max(self.start_ns, time.now), begin)
+        if self.start_ns <= time.now:
+            begin()
+        else:
+            time.at(self.start_ns, begin)
         if self.end_ns < FAR:
             time.at(self.end_ns, end)
 

@@ -49,6 +49,7 @@ class UartWire:
         self._followers: list[LineReceiver] = []
         self._queue: deque[SentBytes] = deque()
         self._end = 0
+        self._line_ns = 0
         self._faults: list[LineFault] = []
         self._stepping = False
         self._to_step: deque[SentBytes] = deque()
@@ -89,6 +90,11 @@ class UartWire:
         return None if self.capacity is None else max(0, self.capacity - self.queued)
 
     @property
+    def busy_ns(self) -> int:
+        """Time for which the line has carried bytes up to now."""
+        return self._line_ns - max(0, self._end - self.time.now)
+
+    @property
     def idle_from(self) -> int:
         """When everything queued will have been sent."""
         return self._end
@@ -96,6 +102,7 @@ class UartWire:
     def abort(self) -> None:
         """The transmitter stops at once; the byte under way is lost with everything behind it."""
         self._lose_from(self._frame_under_way()[0])
+        self._line_ns = self.busy_ns
         self._end = self.time.now
         self._queue.clear()
         self._to_step.clear()
@@ -156,6 +163,7 @@ class UartWire:
             piece = SentBytes(data, max(now, self._end), 0, baud)
         queue.append(piece)
         self._end = piece.end
+        self._line_ns += piece.end - piece.begin
         self.bytes_sent += len(data)
         if self._stepping and len(queue) == 1 and not any(fault.frame_by_frame for fault in self._faults):
             self._stepping = False

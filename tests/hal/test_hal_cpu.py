@@ -296,6 +296,20 @@ def test_reset_unwinds_a_nested_handler() -> None:
     assert cpu.running_name == "main"
 
 
+def test_reset_leaves_nothing_pending() -> None:
+    """Pins that fall back at the reset make edges; their requests are forgotten with the rest."""
+    cpu = processor()
+    net = Net(cpu.time, "JUMPER")
+    output, wired_input = EmulatedOutputPin(cpu, net), EmulatedInputPin(cpu, net)
+    wired_input.interrupt_on(Edge.FALLING, cpu.attach("high", lambda: None))
+    output.set(True)
+    cpu.reset("test")
+    with pytest.raises(ProcessorReset):
+        cpu.spend(1000)
+    assert net.level is False
+    assert cpu.pending == 0
+
+
 def test_power_off_unwinds_the_firmware_once() -> None:
     cpu = processor()
     firmware = Firmware(cpu, kicks=True)

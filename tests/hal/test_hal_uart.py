@@ -172,6 +172,22 @@ def test_rate_of_queued_bytes_stays() -> None:
     assert far_end.chunks == [(ends(3), b"ack"), (ends(3) + ends(4, 115_200), b"data")]
 
 
+def test_line_knows_how_long_it_was_busy() -> None:
+    time = VirtualTime()
+    wire = UartWire(time, 9600)
+    wire.connect(Collector())
+    wire.send(bytes(6))
+    wire.set_baud(115_200)
+    wire.send(bytes(100))
+    assert wire.busy_ns == 0
+    time.at(ends(3), lambda: None)
+    time.run_next()
+    assert wire.busy_ns == ends(3)
+    while time.next_due < SECOND:
+        time.run_next()
+    assert wire.busy_ns == ends(6) + ends(100, 115_200)
+
+
 def test_wrong_rates_are_refused() -> None:
     with pytest.raises(ValueError, match="baud rate 0 of 'gnss'; it must be positive"):
         UartWire(VirtualTime(), 0, "gnss")
