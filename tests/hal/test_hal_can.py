@@ -2,7 +2,7 @@
 
 import pytest
 from emulated_benches import processor
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hal.can import CanFrame
@@ -36,17 +36,20 @@ FACT_SHEET = [
 ]
 
 
+def field(value: int, width: int) -> list[int]:
+    return [value >> k & 1 for k in reversed(range(width))]
+
+
+def header(frame: CanFrame) -> list[int]:
+    """From start of frame to the reserved bits."""
+    if frame.extended:
+        return [0, *field(frame.identifier >> 18, 11), 1, 1, *field(frame.identifier & 0x3FFFF, 18), 0, 0, 0]
+    return [0, *field(frame.identifier, 11), 0, 0, 0]
+
+
 def bits_on_the_wire(frame: CanFrame) -> tuple[list[int], int]:
     """The frame from start of frame to CRC with its stuff bits, and how many of those there are."""
-
-    def field(value: int, width: int) -> list[int]:
-        return [value >> k & 1 for k in reversed(range(width))]
-
-    if frame.extended:
-        head = [0, *field(frame.identifier >> 18, 11), 1, 1, *field(frame.identifier & 0x3FFFF, 18), 0, 0, 0]
-    else:
-        head = [0, *field(frame.identifier, 11), 0, 0, 0]
-    bits = head + field(len(frame.data), 4) + [bit for byte in frame.data for bit in field(byte, 8)]
+    bits = header(frame) + field(len(frame.data), 4) + [bit for byte in frame.data for bit in field(byte, 8)]
     crc = 0
     for bit in bits:
         crc = (crc << 1 ^ (0x4599 if bit ^ crc >> 14 else 0)) & 0x7FFF
@@ -298,3 +301,38 @@ def test_reset_of_the_processor_empties_its_queue() -> None:
 def test_bit_rate_is_checked() -> None:
     with pytest.raises(ValueError, match="CAN bit rate 2000000 of 'can'; classic CAN has at most 1_000_000"):
         EmulatedCanBus(VirtualTime(), 2_000_000)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 4 * MS), st.integers(0, 2), FRAMES), max_size=25))
+def test_bus_agrees_with_a_simulation_frame_by_frame(sends: list[tuple[int, int, CanFrame]]) -> None:
+    """Every frame starts when the bus is free; the node with the lowest arbitration bits wins."""
+    time = VirtualTime()
+    bus = EmulatedCanBus(time, 250_000)
+    nodes = [CanNode(bus, name, depth=100) for name in "abc"]
+    heard: list[tuple[int, CanFrame]] = []
+    bus.listen(lambda frame, end: heard.append((end, frame)))
+    sends = sorted(sends, key=lambda entry: entry[0])
+    for at, node, one in sends:
+        time.at(at, lambda node=node, one=one: nodes[node].send((one,)) and None)  # type: ignore[misc]
+    while time.next_due < SECOND:
+        time.run_next()
+
+    waiting: list[list[CanFrame]] = [[], [], []]
+    expected: list[tuple[int, CanFrame]] = []
+    queue = list(sends)
+    start, bits = 0, 0
+    while queue or any(waiting):
+        free = start + bits * SECOND // 250_000
+        if not any(waiting) and queue[0][0] >= free:
+            start, bits = queue[0][0], 0
+            free = start
+        while queue and queue[0][0] <= free:
+            waiting[queue[0][1]].append(queue.pop(0)[2])
+        ready = [n for n in range(3) if waiting[n]]
+        winner = min(ready, key=lambda n: header(waiting[n][0]))
+        one = waiting[winner].pop(0)
+        length = len(bits_on_the_wire(one)[0]) + 10
+        expected.append((start + (bits + length) * SECOND // 250_000, one))
+        bits += length + 3
+    assert heard == expected

@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from emulated_benches import Collector, Complementing, processor
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from hal.can import CanFrame
 from hal.emulated.can import CanNode, EmulatedCanBus, EmulatedCanController
@@ -314,3 +316,28 @@ def test_fault_in_the_past_is_refused() -> None:
     line.cpu.wait_until(MS)
     with pytest.raises(ValueError, match="fault ends at 5 ns, which has passed"):
         UartCut(0, 5).install(line.wire)
+
+
+@settings(max_examples=50, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(0, 40 * MS), st.binary(min_size=1, max_size=30)), min_size=1, max_size=6),
+    st.lists(st.tuples(st.integers(0, 90 * MS), st.integers(1, 40 * MS)), max_size=3),
+    st.sampled_from([9600, 9700, 19_200]),
+)
+def test_byte_by_byte_and_at_once_are_the_same(
+    sends: list[tuple[int, bytes]], windows: list[tuple[int, int]], baud: int
+) -> None:
+    """A fault that changes nothing makes the line go byte by byte: same bytes, instants and interrupts, also
+    when the receiver samples at another rate."""
+    seen = []
+    for with_faults in (False, True):
+        line = Line(None)
+        line.port.set_baud(baud)
+        for at, data in sorted(sends):
+            line.time.at(at, lambda data=data, line=line: line.wire.send(data) and None)  # type: ignore[misc]
+        if with_faults:
+            for n, (start, length) in enumerate(windows):
+                UartBitErrors(start, start + length, 0.0, seed=n, name="none").install(line.wire)
+        received = line.run()
+        seen.append((received, line.tap.data, line.interrupts, line.port.take_errors(), line.wire.busy_ns))
+    assert seen[0] == seen[1]
