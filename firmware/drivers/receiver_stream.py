@@ -11,7 +11,7 @@ a slower task of the same priority. Bytes are lost when a whole ring of them is 
 """
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -44,6 +44,15 @@ class StreamStatistics:
     malformed: int
     garbage: int
     overruns: int
+
+
+class Answers(NamedTuple):
+    """Answers to configuration messages so far, and what the latest ones answered (class << 8 | id)."""
+
+    acks: int
+    ack_of: int
+    naks: int
+    nak_of: int
 
 
 class ReceiverStream:
@@ -80,6 +89,7 @@ class ReceiverStream:
 
     def set_baud(self, baud: int) -> None:
         """Tell the bit rate of the bytes that follow, for their times."""
+        self.baud = baud
         self.state[st.BYTE_NS] = BITS_PER_BYTE * SECOND_NS // baud
 
     def expect_last(self, last_message: int | None) -> None:
@@ -113,6 +123,19 @@ class ReceiverStream:
         """Messages with a correct checksum so far."""
         state = self.state
         return int(state[st.SENTENCES] + state[st.FRAMES] + state[st.UNKNOWN])
+
+    def frames(self) -> int:
+        """UBX frames that are understood, so far."""
+        return int(self.state[st.FRAMES])
+
+    def bytes_taken(self) -> int:
+        """Bytes received so far, whatever they were."""
+        return int(self.state[st.TAKEN])
+
+    def answers(self) -> Answers:
+        """What the receiver has answered to configuration messages."""
+        state = self.state
+        return Answers(int(state[st.ACKS]), int(state[st.ACK_OF]), int(state[st.NAKS]), int(state[st.NAK_OF]))
 
     def satellites(self) -> list[SatelliteInView]:
         """Satellites in view as listed last."""
