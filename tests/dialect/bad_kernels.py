@@ -140,6 +140,26 @@ def remainder_by_variable(a, b):
 
 
 # target: library call on the target
+@kernel("int64(int64)")
+def loop_that_subtracts(a):
+    while a >= 9_000_000:
+        a -= 9_000_000
+    return a
+
+
+# target: library call on the target
+@kernel("int64(int64)")
+def int64_by_constant(a):
+    return a // 10
+
+
+# target: library call on the target
+@kernel("int64(float32)")
+def float_to_int64(x):
+    return np.int64(min(max(x, -HALF), HALF))
+
+
+# target: library call on the target
 @kernel("float32(int64)")
 def int64_to_float(a):
     return np.float32(a)

@@ -25,14 +25,17 @@ ALLOWED_SYMBOLS = re.compile(r"(__aeabi_)?mem(cpy|set|clr|move)[48]?")
 HARD_FLOAT_CALLS = re.compile(r"\.eabi_attribute\s+28,\s*1\b")
 
 ADVICE = (
-    (r"__aeabi_([dfu]?2?[lu]+l?[2]?[df]|[fd]2u?lz|u?l2[fd])", "float32 and int64 meet in wide_integers"),
+    (r"__aeabi_(u?l2[fd]|[fd]2u?lz)", "float32 and int64 meet in firmware.numerics.wide_integers"),
     (
-        r"__aeabi_(u?ldivmod|u?idiv(mod)?|lmul)|__(u|div|mod|udiv|umod).*[ds]i3",
-        "divide by a power of two: shift",
+        r"__aeabi_(u?ldivmod|u?idiv(mod)?)",
+        "shift, or multiply by a reciprocal and shift; a loop that subtracts becomes a division too",
     ),
-    (r"__aeabi_(d\w+|f2d|\w+2d)", "float64 arithmetic"),
+    (r"__aeabi_(d\w+|f2d|u?i2d)", "float64 arithmetic"),
     (r"fmodf?|powf?|floorf?|sinf?|cosf?|roundf?|truncf?|expf?|logf?", "the C library of the platform"),
-    (r"NRT_\w+|numba_\w+|Py\w+", "needs Python's or numba's run-time library: allocation or an exception"),
+    (
+        r"NRT_\w+|numba_\w+|_?Py\w+",
+        "needs Python's or numba's run-time library: allocation, text or exception",
+    ),
 )
 
 
