@@ -23,11 +23,11 @@ from host.sim.errors.sensor_kernel import (
     SCALE_G,
     SLOW,
     TEMPERATURE,
-    sample_sensor,
+    sense,
 )
 from host.sim.errors.sensor_kernel import CONSTANTS as SENSOR_CONSTANTS
 from host.sim.seeding import generator
-from host.sim.trajectory.motion import CHUNK_SHIFT, CHUNKS_KEPT, NODE_SHIFT, Motion, split_by_chunk
+from host.sim.trajectory.motion import CHUNK_SHIFT, CHUNKS_KEPT, Motion, split_by_chunk
 
 Array = NDArray[np.float64]
 
@@ -59,21 +59,22 @@ class InertialSensor:
 
     def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> Array:
         """Force (3), rate (3), temperature at rising times; see `boards.chips.world.ImuWorld.sample`."""
+        times_ns = np.ascontiguousarray(times_ns, dtype=np.int64)
         out = np.empty((len(times_ns), 7))
         normals = np.empty((6, len(times_ns)))
         for channel, row in zip(self._noise, normals, strict=True):
             channel.standard_normal(out=row)
-        shifts = np.array([0, NODE_SHIFT, self._bank.node_shift])
+        rows = self._motion.rows(times_ns)
         for chunk, part in split_by_chunk(times_ns):
-            shifts[0] = chunk << CHUNK_SHIFT
-            sample_sensor(
-                *self._motion.tables,
-                self._motion.nodes(chunk),
+            sense(
+                rows[part],
                 self._slow_nodes(chunk),
-                shifts,
+                chunk << CHUNK_SHIFT,
+                self._bank.node_shift,
                 self._constants,
                 bandwidth_hz,
-                normals[:, part],
+                normals,
+                part.start,
                 self._memory,
                 times_ns[part],
                 out[part],

@@ -19,18 +19,7 @@ import numpy as np
 from host.sim.compiled import Floats, Integers, entry, inner
 from host.sim.earth import EARTH_RATE, gravity, radii
 from host.sim.sine import sincos
-from host.sim.trajectory.kinematics import (
-    ANGLES,
-    C_NB,
-    FORCE,
-    HEIGHT,
-    LATITUDE,
-    OMEGA_DOT,
-    OMEGA_IB,
-    ROW,
-    motion_row,
-)
-from host.sim.trajectory.nodes import position_at
+from host.sim.trajectory.kinematics import C_NB, FORCE, HEIGHT, LATITUDE, OMEGA_DOT, OMEGA_IB, ROW
 
 LEVER, MOUNTING, CROSS_G, CROSS_A, G_SENSITIVITY, DENSITY, CONSTANTS = 0, 3, 12, 21, 30, 39, 45
 """Where the sensor's constants stand: l(3), C_b_s(9), couplings(9, 9), G(9), noise densities (3, 3)."""
@@ -88,43 +77,40 @@ def add_noise(
 
 
 @entry
-def sample_sensor(
-    layout: Integers,
-    coefficients: Floats,
-    bank: Floats,
-    constants: Floats,
-    nodes: Floats,
+def sense(
+    rows: Floats,
     slow: Floats,
-    shifts: Integers,
+    start_ns: int,
+    slow_shift: int,
     sensor: Floats,
     bandwidth_hz: float,
     normals: Floats,
+    first: int,
     memory: Floats,
     times_ns: Integers,
     out: Floats,
 ) -> None:
-    """Fill `out` (n, 7) at times within one chunk. `shifts` = chunk start in ns, node shifts of position and
-    slow errors; `slow` (k, 13) and `nodes` begin at the chunk's start; `normals` (6, n)."""
-    row = layout[:4].copy()
-    waves = np.zeros((2, max(ANGLES, bank.shape[1])))
-    shake = np.empty((6, 3))
-    truth = np.empty(ROW)
+    """Fill `out` (n, 7) from rows of truth (n, ROW) at times within one chunk, which begins at `start_ns`.
+
+    `slow` (k, 13): slowly changing errors at nodes 2^slow_shift ns apart; `normals` (6, m), used from
+    column `first` on.
+    """
     now = np.empty(SLOW)
     felt = np.empty(6)
-    start_ns, node_shift, slow_shift = shifts[0], shifts[1], shifts[2]
+    truth = np.empty(ROW)
     moved = sensor[LEVER] != 0.0 or sensor[LEVER + 1] != 0.0 or sensor[LEVER + 2] != 0.0
     slow_step_ns = 1 << slow_shift
     for i in range(times_ns.shape[0]):
         t_ns = times_ns[i]
-        position_at(nodes, start_ns, node_shift, t_ns, truth)
-        motion_row(layout, coefficients, bank, constants, row, t_ns, waves, shake, truth)
+        for j in range(ROW):
+            truth[j] = rows[i, j]
         if moved:
             lever_effect(sensor, truth)
         k = (t_ns - start_ns) >> slow_shift
         x = (t_ns - start_ns - k * slow_step_ns) / slow_step_ns
         for j in range(SLOW):
             now[j] = slow[k, j] + x * (slow[k + 1, j] - slow[k, j])
-        add_noise(t_ns * 1e-9, bandwidth_hz, sensor, normals, i, memory)
+        add_noise(t_ns * 1e-9, bandwidth_hz, sensor, normals, first + i, memory)
         to_sensor(truth, sensor, felt)
         apply_errors(sensor, now, felt, memory, out, i)
 

@@ -46,6 +46,7 @@ class Motion:
 
     def rows(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
         """Rows of truth (n, 24) at rising times ≥ 0; columns as in `host.sim.trajectory.kinematics`."""
+        times_ns = np.ascontiguousarray(times_ns, dtype=np.int64)
         out = np.empty((len(times_ns), ROW))
         for chunk, part in split_by_chunk(times_ns):
             fill_rows(
