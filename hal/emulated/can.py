@@ -158,6 +158,7 @@ class EmulatedCanBus:
         self._run_start = 0
         self._run_bits = 0
         self._alone: CanNode | None = None
+        self._any_off = False
         self._disturbances: list[Callable[[], None]] = []
         self._alarm = Alarm(time, self._due)
 
@@ -222,10 +223,8 @@ class EmulatedCanBus:
             self._settle(plan.popleft())
         if self._alone is not None:
             self._settle_unacknowledged(self._alone)
-        for node in self._nodes:
-            if node.off_until is not None and node.off_until <= now:
-                node.off_until = None
-                node.error_count = 0
+        if self._any_off:
+            self._bring_back(now)
 
     def replan(self) -> None:
         """Arbitrate anew for everything that has not begun."""
@@ -234,14 +233,20 @@ class EmulatedCanBus:
         if not self._plan and now >= self._instant(self._run_bits):
             self._run_start, self._run_bits = now, 0
         self._alone = None
-        while (node := self._winner()) is not None:
+        while ready := [node for node in self._nodes if node.queue and node.off_until is None]:
+            # The lowest bits win the arbitration; of two equal frames that of the node attached first.
+            node = (
+                ready[0] if len(ready) == 1 else min(ready, key=lambda node: arbitration_key(node.queue[0]))
+            )
             if self._disturbances:
                 self._plan_failure(node)
                 break
             if not self._acknowledged(node):
                 self._alone = node
                 break
-            self._plan_frame(node)
+            for _ in range(len(node.queue) if len(ready) == 1 else 1):
+                length = frame_bits(node.queue[0])
+                self._add(node, length, length + INTERFRAME_BITS, succeeds=True)
         self._alarm.by(self._next_instant())
 
     def withdraw(self, node: CanNode) -> None:
@@ -267,22 +272,10 @@ class EmulatedCanBus:
             planned.node.planned -= 1
             self._run_bits -= planned.bits
 
-    def _winner(self) -> CanNode | None:
-        """The node whose oldest frame wins the arbitration; of two equal ones the node attached first."""
-        ready = [node for node in self._nodes if node.queue and node.off_until is None]
-        if len(ready) < 2:
-            return ready[0] if ready else None
-        return min(ready, key=lambda node: arbitration_key(node.queue[0]))
-
     def _acknowledged(self, sender: CanNode) -> bool:
         return self._acknowledging_listeners > 0 or any(
             node is not sender and node.off_until is None for node in self._nodes
         )
-
-    def _plan_frame(self, node: CanNode) -> None:
-        frame = node.queue[0]
-        length = frame_bits(frame)
-        self._add(node, length, length + INTERFRAME_BITS, succeeds=True)
 
     def _plan_failure(self, node: CanNode) -> None:
         """One attempt that the disturbance breaks right behind the arbitration field."""
@@ -291,25 +284,33 @@ class EmulatedCanBus:
         self._add(node, bits, bits, succeeds=False)
 
     def _add(self, node: CanNode, length: int, bits: int, succeeds: bool) -> None:
-        begin = self._instant(self._run_bits)
-        end = self._instant(self._run_bits + length)
+        start, rate, at = self._run_start, self.bitrate, self._run_bits
+        begin = start + at * SECOND // rate
+        end = start + (at + length) * SECOND // rate
         self._plan.append(Transmission(begin, end, node, node.queue.popleft(), bits, succeeds))
-        self._run_bits += bits
+        self._run_bits = at + bits
         node.planned += 1
 
     def _next_instant(self) -> int:
         plan = self._plan
-        due = min((node.off_until for node in self._nodes if node.off_until is not None), default=FAR)
+        due = FAR
+        if self._any_off:
+            due = min(node.off_until for node in self._nodes if node.off_until is not None)
         if not plan:
             return due
-        sender = plan[0].node
-        if not plan[0].succeeds or any(node.prompt and node is not sender for node in self._nodes):
-            return min(due, plan[0].end)
+        first = plan[0]
+        if not first.succeeds:
+            return min(due, first.end)
+        for node in self._nodes:
+            if node.prompt and node is not first.node:
+                return min(due, first.end)
         return min(due, plan[-1].end)
 
     def _due(self) -> int:
+        some_were_off = self._any_off
         self.catch_up()
-        self.replan()
+        if some_were_off or not self._plan:
+            self.replan()
         return self._next_instant()
 
     # -- what came of it ---------------------------------------------------------------------------
@@ -340,6 +341,15 @@ class EmulatedCanBus:
         if node.error_count >= BUS_OFF:
             recovery = self.time.now + RECOVERY_BITS * SECOND // self.bitrate
             node.off_until = FAR if self._disturbances else recovery
+            self._any_off = True
+
+    def _bring_back(self, now: int) -> None:
+        """Nodes whose time of bus-off is over take part again."""
+        for node in self._nodes:
+            if node.off_until is not None and node.off_until <= now:
+                node.off_until = None
+                node.error_count = 0
+        self._any_off = any(node.off_until is not None for node in self._nodes)
 
     def _break_frame_under_way(self) -> None:
         """The frame on the wire ends in an error frame now and will be sent again."""

@@ -14,25 +14,20 @@ FRAME = FRAME_BITS * SECOND
 
 
 class SentBytes:
-    """A piece of a run: `data` are its frames `first`, `first` + 1, …"""
+    """A piece of a run: `data` are its frames `first`, `first` + 1, …
 
-    __slots__ = ("baud", "data", "first", "start")
+    `begin`: falling edge of the first start bit; `end`: end of the last stop bit.
+    """
+
+    __slots__ = ("baud", "begin", "data", "end", "first", "start")
 
     def __init__(self, data: bytes, start: int, first: int, baud: int) -> None:
         self.data = data
         self.start = start
         self.first = first
         self.baud = baud
-
-    @property
-    def begin(self) -> int:
-        """Falling edge of the first start bit."""
-        return self.start + self.first * FRAME // self.baud
-
-    @property
-    def end(self) -> int:
-        """End of the last stop bit."""
-        return self.end_of(len(self.data) - 1)
+        self.begin = start + first * FRAME // baud
+        self.end = start + (first + len(data)) * FRAME // baud
 
     @property
     def framing_errors(self) -> int:

@@ -80,8 +80,10 @@ class LineReceiver:
 
     def take(self) -> tuple[bytes, int]:
         """What has arrived by now and was not taken yet, and the framing errors in it."""
-        now = self._time.now
         arrivals = self.arrivals
+        if not arrivals:
+            return b"", 0
+        now = self._time.now
         taken: list[bytes] = []
         errors = 0
         while arrivals and arrivals[0].end <= now:
