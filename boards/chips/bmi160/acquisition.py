@@ -136,6 +136,11 @@ class Acquisition:
         if self.accel_stream is not None and tick % self.accel_stream.period == 0:
             self._detect(tick, time_ns)
 
+    def flush_fifo(self, time_ns: int) -> None:
+        """Empty the FIFO."""
+        self.fifo.flush()
+        self.fifo_changed(time_ns)
+
     def fifo_changed(self, time_ns: int) -> None:
         """The fill level changed: decide the FIFO's interrupt conditions again."""
         if Source.FIFO_WATERMARK.enabled(self.registers):

@@ -98,6 +98,13 @@ def test_sensor_time_frame_behind_the_last_frame() -> None:
     assert rig.read(0x24, 14) == b"\x84" + ACCEL + b"\x44" + ticks.to_bytes(3, "little") + b"\x80" * 3
 
 
+def test_empty_fifo_still_tells_the_time() -> None:
+    rig = fifo_rig(HEADER | TIME)
+    rig.until(300 * MS)
+    assert rig.read(0x24, 6) == b"\x44" + (7680).to_bytes(3, "little") + b"\x80\x80"
+    assert length(rig) == 0
+
+
 def test_no_sensor_time_frame_while_frames_are_left() -> None:
     rig = fifo_rig(ACCEL_ON | HEADER | TIME)
     rig.until(310 * MS + 5_000)

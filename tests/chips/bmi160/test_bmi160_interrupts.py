@@ -253,6 +253,47 @@ def test_data_ready_bits_of_two_rates() -> None:
     assert rig.read(0x1B) == b"\xc1"
 
 
+def test_status_after_the_common_burst() -> None:
+    """The read ends the pulse and clears what it read, for pin, INT_STATUS and STATUS alike."""
+    rig = rig_with(PUSH_PULL_HIGH, MAPPED, ENABLED, gyro=True)
+    rig.until(300 * MS + 10_000)
+    assert rig.read(0x1B, 3) == b"\xc1\x00\x10"
+    rig.read(0x0C, 15)
+    assert rig.read(0x1B, 3) == b"\x01\x00\x00"
+    rig.until(310 * MS + 10_000)
+    assert rig.read(0x1B, 3) == b"\xc1\x00\x10"
+
+
+def test_events_end_when_the_listener_leaves() -> None:
+    rig = rig_with(PUSH_PULL_HIGH, MAPPED, ENABLED, listen="")
+    seen: list[int] = []
+
+    def listener(level: bool, when: int) -> None:
+        seen.append(when)
+
+    rig.nets["INT1"].listen(listener)
+    rig.wait(100 * MS)
+    rig.nets["INT1"].ignore(listener)
+    rig.wait(1_000 * MS)
+    events, heard = rig.time.events_run, len(seen)
+    rig.wait(5_000 * MS)
+    assert (rig.time.events_run, len(seen)) == (events, heard)
+    rig.nets["INT1"].listen(listener)
+    rig.wait(100 * MS)
+    assert len(seen) > heard
+
+
+def test_data_ready_begins_when_the_sensor_is_ready() -> None:
+    rig = Rig(listen="INT1")
+    rig.start(accel=False, gyro=False)
+    for write in (PUSH_PULL_HIGH, MAPPED, ENABLED):
+        rig.write(*write)
+    rig.spi(b"\x7e\x15")
+    normal = rig.time.now + 80 * MS
+    rig.wait(200 * MS)
+    assert rising(rig.edges["INT1"])[0] == -(-normal // (10 * MS)) * 10 * MS
+
+
 # -- edge mode ---------------------------------------------------------------------------------------------
 
 
