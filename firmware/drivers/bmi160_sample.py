@@ -1,23 +1,50 @@
-"""From the BMI160's burst of 0x0C … 0x1A to SI units: pure conversion, one kernel call.
+"""From the BMI160's burst of 0x0C … 0x1A to SI units: pure conversion in the kernel dialect.
 
 The burst as it lies in the driver's buffer: byte 0 is the address byte's slot, then gyro x, y, z,
 accelerometer x, y, z (16 bits each, low byte first) and sensortime (24 bits, low byte first); fact sheet
-sections 3 and 4. Ranges are those that `firmware.drivers.bmi160` sets: ±250 °/s and ±4 g.
+sections 3, 4 and 7.
+
+    ω = count · π/180 / (LSB per °/s),   f = count · g / (LSB per g),   Δt = (ticks mod 2²⁴) · 39.0625 µs
 """
 
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from firmware.numerics.dialect import kernel
 
 BURST_LENGTH = 16
 """Address byte and the 15 registers from GYR_X_L to SENSORTIME_2."""
 
-RAD_PER_LSB = np.float32(math.pi / 180.0 / 131.2)
-"""At ±250 °/s: 131.2 LSB per °/s."""
-METRE_PER_S2_PER_LSB = np.float32(9.80665 / 8192.0)
-"""At ±4 g: 8192 LSB per g."""
+STANDARD_GRAVITY = 9.80665
+LSB_PER_DPS = {2000: 16.4, 1000: 32.8, 500: 65.6, 250: 131.2, 125: 262.4}
+"""Gyro range in °/s: section 4."""
+LSB_PER_G = {2: 16384.0, 4: 8192.0, 8: 4096.0, 16: 2048.0}
+
+DEFAULT_GYRO_RANGE_DPS = 250
+DEFAULT_ACCEL_RANGE_G = 4
+RAD_PER_LSB = np.float32(math.pi / 180.0 / LSB_PER_DPS[DEFAULT_GYRO_RANGE_DPS])
+METRE_PER_S2_PER_LSB = np.float32(STANDARD_GRAVITY / LSB_PER_G[DEFAULT_ACCEL_RANGE_G])
+
+TICK_S = np.float32(39.0625e-6)
+SENSORTIME_MASK = 0xFFFFFF
+
+# A converted sample.
+DT = 0
+"""s since the sample before."""
+OMEGA = 1
+"""ω x, y, z in rad/s, sensor axes."""
+FORCE = 4
+"""f x, y, z in m/s², sensor axes."""
+SAMPLE_SIZE = 7
+
+
+def scales(gyro_range_dps: int, accel_range_g: int) -> NDArray[np.float32]:
+    """(rad/s per LSB, m/s² per LSB) of two ranges that the chip has."""
+    rate = math.pi / 180.0 / LSB_PER_DPS[gyro_range_dps]
+    force = STANDARD_GRAVITY / LSB_PER_G[accel_range_g]
+    return np.array([rate, force], np.float32)
 
 
 @kernel
@@ -28,19 +55,49 @@ def signed_16(low, high):
 
 
 @kernel
-def rate_and_force(raw):
-    """(ω x, y, z in rad/s, f x, y, z in m/s²), sensor axes, of a burst."""
+def scaled(raw, rate, force):
+    """(ω x, y, z, f x, y, z) of a burst, with the units of a count."""
     return (
-        signed_16(raw[1], raw[2]) * RAD_PER_LSB,
-        signed_16(raw[3], raw[4]) * RAD_PER_LSB,
-        signed_16(raw[5], raw[6]) * RAD_PER_LSB,
-        signed_16(raw[7], raw[8]) * METRE_PER_S2_PER_LSB,
-        signed_16(raw[9], raw[10]) * METRE_PER_S2_PER_LSB,
-        signed_16(raw[11], raw[12]) * METRE_PER_S2_PER_LSB,
+        signed_16(raw[1], raw[2]) * rate,
+        signed_16(raw[3], raw[4]) * rate,
+        signed_16(raw[5], raw[6]) * rate,
+        signed_16(raw[7], raw[8]) * force,
+        signed_16(raw[9], raw[10]) * force,
+        signed_16(raw[11], raw[12]) * force,
     )
+
+
+@kernel
+def rate_and_force(raw):
+    """(ω x, y, z in rad/s, f x, y, z in m/s²), sensor axes, of a burst at the default ranges."""
+    return scaled(raw, RAD_PER_LSB, METRE_PER_S2_PER_LSB)
 
 
 @kernel
 def sensortime(raw):
     """The 24-bit counter of 39.0625 µs ticks."""
     return np.int64(raw[13]) | (np.int64(raw[14]) << np.int64(8)) | (np.int64(raw[15]) << np.int64(16))
+
+
+@kernel
+def seconds_between(before, now):
+    """Time from one sensortime to a later one, less than its wrap of 655 s away."""
+    return np.float32(np.int32((now - before) & SENSORTIME_MASK)) * TICK_S
+
+
+@kernel("int64(uint8[::1], float32[::1], int64, float32[::1])")
+def convert(raw, scale, before, sample):
+    """Fill `sample` (SAMPLE_SIZE) from a burst, with `scales` and the sensortime of the sample before.
+
+    Returns the sensortime of this one.
+    """
+    now = sensortime(raw)
+    wx, wy, wz, fx, fy, fz = scaled(raw, scale[0], scale[1])
+    sample[DT] = seconds_between(before, now)
+    sample[OMEGA] = wx
+    sample[OMEGA + 1] = wy
+    sample[OMEGA + 2] = wz
+    sample[FORCE] = fx
+    sample[FORCE + 1] = fy
+    sample[FORCE + 2] = fz
+    return now
