@@ -165,7 +165,7 @@ class Bmi160:
         """The byte that made the last call fail."""
         self._cpu = cpu
         self._burst = bytearray(BURST_LENGTH)
-        self._request = bytes([READ | FIRST_SAMPLE_REGISTER]) + bytes(BURST_LENGTH - 1)
+        self._request = bytearray([READ | FIRST_SAMPLE_REGISTER]) + bytes(BURST_LENGTH - 1)
         self._transaction = spi.transaction
         self.raw: NDArray[np.uint8] = np.frombuffer(self._burst, np.uint8)
 

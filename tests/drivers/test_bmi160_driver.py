@@ -328,6 +328,8 @@ def test_read_costs_little_python():
     driver = Bmi160(wire, None, Bmi160Config())
     buffer = bytearray(16)
     n = 20_000
+    # a busy machine is slower for everybody: 0.05 µs is what the bare call takes on a quiet one
     call = min(timeit.repeat(lambda: wire.transaction(buffer), number=n, repeat=7)) / n
     read = min(timeit.repeat(driver.read, number=n, repeat=7)) / n
-    assert read - call < 0.6e-6
+    slowness = max(1.0, call / 0.05e-6)
+    assert read - call < 0.3e-6 * slowness
