@@ -15,6 +15,7 @@ from boards.assembly import AssembledBoard
 from firmware.drivers import gnss_epoch as gnss
 from firmware.link import frames
 from host.link.decoder import LinkDecoder
+from host.link.messages import SOLUTION_DTYPE
 from host.record.recorder import Recorder
 from host.record.run_data import BiasEstimate, GnssBatch, Innovation, MotionBatch, SolutionBatch
 from host.run.surroundings import Installation, ReceiverSight
@@ -24,6 +25,16 @@ from host.sim.world import World
 
 Floats = NDArray[np.float64]
 NANODEG = math.pi / 180.0 * 1e-9
+SOLUTION_FIELDS = (
+    "height",
+    "velocity_ned",
+    "yaw",
+    "pitch",
+    "roll",
+    "sigma_position",
+    "sigma_velocity",
+    "sigma_attitude",
+)
 UPPER = np.triu_indices(9)
 
 
@@ -47,68 +58,54 @@ class LinkIntake:
         self._installation = installation
         self._virtual_ns: Callable[[int], int] = board.cpus[board.description.uarts[port].processor].virtual_ns
         self._bytes = bytearray()
-        self._rows: dict[int, list[tuple[float, ...]]] = {kind: [] for kind in frames.PAYLOADS}
         self._last_solution_ns = -1
         board.from_board[port].connect(self)
 
-    def receive(self, data: bytes, time_ns: int) -> None:
-        """A chunk of the board's output has ended at `time_ns`."""
+    def receive(self, data: bytes, _time_ns: int) -> None:
+        """A chunk of the board's output has ended."""
         self._bytes += data
-        if len(self._bytes) > 1 << 14:
-            self._decode(time_ns)
 
     def flush(self, now_ns: int) -> None:
         """Decode, pair with the truth, and give everything to the recorder."""
-        self._decode(now_ns)
-        rows = self._rows
-        self._rows = {kind: [] for kind in frames.PAYLOADS}
-        self._take_gnss(rows[frames.GNSS])
-        for row in rows[frames.COVARIANCE]:
+        payloads: dict[int, list[bytes]] = {kind: [] for kind in frames.PAYLOADS}
+        for kind, payload in self.decoder.feed_raw(bytes(self._bytes)):
+            if kind in payloads:
+                payloads[kind].append(payload)
+            elif kind == frames.TEXT:
+                self._recorder.add_event(now_ns, "board", payload.decode(errors="replace"))
+        self._bytes.clear()
+        self._take_gnss(_rows(frames.GNSS, payloads))
+        for row in _rows(frames.COVARIANCE, payloads):
             self._take_covariance(row)
-        for row in rows[frames.INNOVATION]:
+        for row in _rows(frames.INNOVATION, payloads):
             values = row[2:]
             self._recorder.add_innovation(
                 Innovation(self._seconds(row[0]), values[:6], values[6:], int(row[1]))  # type: ignore[arg-type]
             )
-        self._take_biases(rows[frames.BIAS])
-        self._take_solutions(rows[frames.SOLUTION])
-
-    def _decode(self, now_ns: int) -> None:
-        for kind, fields in self.decoder.feed(bytes(self._bytes)):
-            if isinstance(fields, str):
-                self._recorder.add_event(now_ns, "board", fields)
-            else:
-                self._rows[kind].append(fields)
-        self._bytes.clear()
+        self._take_biases(_rows(frames.BIAS, payloads))
+        self._take_solutions(np.frombuffer(b"".join(payloads[frames.SOLUTION]), SOLUTION_DTYPE))
 
     def _seconds(self, board_us: float) -> float:
         return self._virtual_ns(int(board_us) * 1000) / 1e9
 
-    def _take_solutions(self, rows: list[tuple[float, ...]]) -> None:
-        if not rows:
-            return
-        table = np.array(rows)
-        times_ns = np.array([self._virtual_ns(int(row[0]) * 1000) for row in rows], dtype=np.int64)
+    def _times_ns(self, board_us: list[int]) -> NDArray[np.int64]:
+        return np.array([self._virtual_ns(us * 1000) for us in board_us], dtype=np.int64)
+
+    def _take_solutions(self, rows: NDArray[np.void]) -> None:
+        times_ns = self._times_ns(rows["time_us"].tolist())
         fresh = np.diff(times_ns, prepend=self._last_solution_ns) > 0
-        table, times_ns = table[fresh], times_ns[fresh]
-        if not len(table):
+        rows, times_ns = rows[fresh], times_ns[fresh]
+        if not len(rows):
             return
         self._last_solution_ns = int(times_ns[-1])
-        position = np.array([(row[5], row[6]) for row in rows], dtype=np.float64)[fresh] * NANODEG
+        wide = {name: rows[name].astype(np.float64) for name in SOLUTION_FIELDS}
         solution = SolutionBatch(
             t=times_ns / 1e9,
-            latitude=position[:, 0],
-            longitude=position[:, 1],
-            height=table[:, 7],
-            velocity_ned=table[:, 8:11],
-            yaw=table[:, 11],
-            pitch=table[:, 12],
-            roll=table[:, 13],
-            sigma_position=table[:, 17:20],
-            sigma_velocity=table[:, 20:23],
-            sigma_attitude=table[:, 23:26],
-            mode=table[:, 3].astype(np.int64),
-            flags=table[:, 4].astype(np.int64),
+            latitude=rows["lat_nanodeg"] * NANODEG,
+            longitude=rows["lon_nanodeg"] * NANODEG,
+            mode=rows["mode"].astype(np.int64),
+            flags=rows["flags"].astype(np.int64),
+            **wide,
         )
         self._recorder.add_solution(solution, motion(self._world.truth(times_ns)))
 
@@ -116,7 +113,7 @@ class LinkIntake:
         if not rows:
             return
         table = np.array(rows, dtype=np.float64)
-        tagged_ns = np.array([self._virtual_ns(int(row[0]) * 1000) for row in rows], dtype=np.int64)
+        tagged_ns = self._times_ns([int(row[0]) for row in rows])
         times_ns = self._sight.validity_ns(table[:, 1], tagged_ns)
         order = np.concatenate(([True], np.diff(times_ns) > 0))
         table, times_ns, tagged_ns = table[order], times_ns[order], tagged_ns[order]
@@ -144,7 +141,7 @@ class LinkIntake:
     def _take_biases(self, rows: list[tuple[float, ...]]) -> None:
         if not rows:
             return
-        times_ns = np.array([self._virtual_ns(int(row[0]) * 1000) for row in rows], dtype=np.int64)
+        times_ns = self._times_ns([int(row[0]) for row in rows])
         fresh = np.concatenate(([True], np.diff(times_ns) > 0))
         truth = self._body_biases(times_ns[fresh])
         kept = [row for row, is_fresh in zip(rows, fresh, strict=True) if is_fresh]
@@ -157,6 +154,11 @@ class LinkIntake:
         truth = self._world.truth(times_ns)
         rotation = self._installation.C_b_s.T
         return np.hstack([truth.bias_g @ rotation, truth.bias_a @ rotation])
+
+
+def _rows(kind: int, payloads: dict[int, list[bytes]]) -> list[tuple[float, ...]]:
+    unpack = frames.PAYLOADS[kind].unpack
+    return [unpack(payload) for payload in payloads[kind]]
 
 
 def motion(truth: TruthBatch) -> MotionBatch:

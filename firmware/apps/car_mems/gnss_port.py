@@ -11,11 +11,7 @@ from firmware.apps.car_mems.gnss_time import GnssTime
 from firmware.apps.car_mems.navigation import Navigation
 from firmware.apps.car_mems.settings import Settings
 from firmware.drivers import gnss_epoch as gnss
-class ReceiverSetup:
-    def __init__(self,**k): pass
-class Configurator:
-    def __init__(self,*a): pass
-    def step(self,n): pass
+from firmware.drivers.neo_m8n import Configurator, ReceiverSetup
 from firmware.drivers.receiver_stream import ReceiverStream
 from hal.board_io import BoardIo
 
