@@ -1,0 +1,296 @@
+"""CAN bus on virtual time.
+
+All that is queued is planned ahead: who wins the arbitration when, frame behind frame with three bits
+between. What nobody has to know at once is told when the plan ends, with its exact instants, so that a set
+of frames queued in one call costs one event; a node with an interrupt line hears of each frame at its end.
+
+Errors (fact sheet, section 4): a frame that nobody acknowledges ends after its acknowledge slot in an error
+frame and is sent again, for ever; the transmit error counter stops at error-passive, as the specification
+has it for a node alone on its bus. A disturbed bus makes every attempt fail after the arbitration field:
++8 each time, bus-off beyond 255, back after 128 · 11 quiet bits. A success counts −1.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING, NamedTuple
+
+from hal.can import CanFrame
+from hal.emulated.alarm import Alarm
+from hal.emulated.can_frame import INTERFRAME_BITS, arbitration_key, frame_bits
+from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
+
+if TYPE_CHECKING:
+    from hal.emulated.can import CanNode
+
+ACTIVE_FLAG_BITS = 6
+ECHO_BITS = 6
+DELIMITER_BITS = 8
+SUSPEND_BITS = 8
+RECOVERY_BITS = 128 * 11
+ERROR_PASSIVE = 128
+BUS_OFF = 256
+
+CanListener = Callable[[CanFrame, int], None]
+"""(frame, end_ns)."""
+
+
+class Transmission(NamedTuple):
+    """A planned frame, or an attempt at one that fails. `bits`: with everything up to the next start."""
+
+    begin: int
+    end: int
+    node: CanNode
+    frame: CanFrame
+    bits: int
+    succeeds: bool
+
+
+class EmulatedCanBus:
+    """The pair of wires."""
+
+    def __init__(self, time: VirtualTime, bitrate: int, name: str = "can") -> None:
+        if not 0 < bitrate <= 1_000_000:
+            raise ValueError(f"CAN bit rate {bitrate} of {name!r}; classic CAN has at most 1_000_000")
+        self.time = time
+        self.bitrate = bitrate
+        self.name = name
+        self.frames = 0
+        """Frames that got through."""
+        self.error_frames = 0
+        self._busy_bits = 0
+        self._nodes: list[CanNode] = []
+        self._listeners: list[CanListener] = []
+        self._acknowledging_listeners = 0
+        self._plan: deque[Transmission] = deque()
+        self._run_start = 0
+        self._run_bits = 0
+        self._alone: CanNode | None = None
+        self._any_off = False
+        self._disturbances: list[Callable[[], None]] = []
+        self._alarm = Alarm(time, self._due)
+
+    # -- who is there ------------------------------------------------------------------------------
+
+    def attach(self, node: CanNode) -> None:
+        """Connect a node."""
+        self.catch_up()
+        self._nodes.append(node)
+        self.replan()
+
+    def detach(self, node: CanNode) -> None:
+        """Take a node off the bus (no power, cable pulled); what it has queued is lost."""
+        self.withdraw(node)
+        self._nodes.remove(node)
+        self.replan()
+
+    def listen(self, callback: CanListener, acknowledges: bool = True) -> None:
+        """Tell of every frame that gets through: `callback(frame, end_ns)`, at `end_ns` or somewhat later.
+
+        An analyser acknowledges as every node does; a silent one does not.
+        """
+        self.catch_up()
+        self._listeners.append(callback)
+        self._acknowledging_listeners += acknowledges
+        self.replan()
+
+    @property
+    def busy_ns(self) -> int:
+        """Time taken up by frames with their interframe space and by error frames, up to now."""
+        self.catch_up()
+        return self._busy_bits * SECOND // self.bitrate
+
+    # -- disturbance -------------------------------------------------------------------------------
+
+    def begin_disturbance(self, strike: Callable[[], None]) -> None:
+        """From now on no frame gets through, nor does the one under way; `strike` hears of each failure."""
+        self.catch_up()
+        self._disturbances.append(strike)
+        self._take_back_plan()
+        self._break_frame_under_way()
+        self.replan()
+
+    def end_disturbance(self, strike: Callable[[], None]) -> None:
+        """The disturbance with this `strike` has passed."""
+        self.catch_up()
+        if self._plan and not self._plan[0].succeeds and self._plan[0].begin < self.time.now:
+            strike()
+        self._disturbances.remove(strike)
+        for node in self._nodes:
+            if node.off_until == FAR and not self._disturbances:
+                node.off_until = self.time.now + RECOVERY_BITS * SECOND // self.bitrate
+        self.replan()
+
+    # -- for the nodes -----------------------------------------------------------------------------
+
+    def catch_up(self) -> None:
+        """Settle everything that has ended by now."""
+        now = self.time.now
+        plan = self._plan
+        while plan and plan[0].end <= now:
+            self._settle(plan.popleft())
+        if self._alone is not None:
+            self._settle_unacknowledged(self._alone)
+        if self._any_off:
+            self._bring_back(now)
+
+    def replan(self) -> None:
+        """Arbitrate anew for everything that has not begun."""
+        now = self.time.now
+        self._take_back_plan()
+        if not self._plan and now >= self._instant(self._run_bits):
+            self._run_start, self._run_bits = now, 0
+        self._alone = None
+        while ready := [node for node in self._nodes if node.queue and node.off_until is None]:
+            # The lowest bits win the arbitration; of two equal frames that of the node attached first.
+            node = (
+                ready[0] if len(ready) == 1 else min(ready, key=lambda node: arbitration_key(node.queue[0]))
+            )
+            if self._disturbances:
+                self._plan_failure(node)
+                break
+            if not self._acknowledged(node):
+                self._alone = node
+                break
+            for _ in range(len(node.queue) if len(ready) == 1 else 1):
+                length = frame_bits(node.queue[0])
+                self._add(node, length, length + INTERFRAME_BITS, succeeds=True)
+        self._alarm.by(self._next_instant())
+
+    def withdraw(self, node: CanNode) -> None:
+        """Forget what `node` has queued; a frame of its that is under way breaks off."""
+        self.catch_up()
+        self._take_back_plan()
+        if self._plan and self._plan[0].node is node:
+            self._break_frame_under_way()
+        node.queue.clear()
+        self.replan()
+
+    # -- planning ----------------------------------------------------------------------------------
+
+    def _instant(self, bits: int) -> int:
+        return self._run_start + bits * SECOND // self.bitrate
+
+    def _take_back_plan(self) -> None:
+        """Put every frame that has not begun back into its node's queue."""
+        plan = self._plan
+        while plan and plan[-1].begin >= self.time.now:
+            planned = plan.pop()
+            planned.node.queue.appendleft(planned.frame)
+            planned.node.planned -= 1
+            self._run_bits -= planned.bits
+
+    def _acknowledged(self, sender: CanNode) -> bool:
+        return self._acknowledging_listeners > 0 or any(
+            node is not sender and node.off_until is None for node in self._nodes
+        )
+
+    def _plan_failure(self, node: CanNode) -> None:
+        """One attempt that the disturbance breaks right behind the arbitration field."""
+        bits = (33 if node.queue[0].extended else 13) + ACTIVE_FLAG_BITS + ECHO_BITS + DELIMITER_BITS
+        bits += INTERFRAME_BITS + _suspend_bits(node)
+        self._add(node, bits, bits, succeeds=False)
+
+    def _add(self, node: CanNode, length: int, bits: int, succeeds: bool) -> None:
+        start, rate, at = self._run_start, self.bitrate, self._run_bits
+        begin = start + at * SECOND // rate
+        end = start + (at + length) * SECOND // rate
+        self._plan.append(Transmission(begin, end, node, node.queue.popleft(), bits, succeeds))
+        self._run_bits = at + bits
+        node.planned += 1
+
+    def _next_instant(self) -> int:
+        plan = self._plan
+        due = FAR
+        if self._any_off:
+            due = min(node.off_until for node in self._nodes if node.off_until is not None)
+        if not plan:
+            return due
+        first = plan[0]
+        if not first.succeeds:
+            return min(due, first.end)
+        for node in self._nodes:
+            if node.prompt and node is not first.node:
+                return min(due, first.end)
+        return min(due, plan[-1].end)
+
+    def _due(self) -> int:
+        some_were_off = self._any_off
+        self.catch_up()
+        if some_were_off or not self._plan:
+            self.replan()
+        return self._next_instant()
+
+    # -- what came of it ---------------------------------------------------------------------------
+
+    def _settle(self, done: Transmission) -> None:
+        sender = done.node
+        sender.planned -= 1
+        self._busy_bits += done.bits
+        if not done.succeeds:
+            sender.queue.appendleft(done.frame)
+            self._count_failure(sender)
+            return
+        self.frames += 1
+        if sender.error_count:
+            sender.error_count -= 1
+        for node in self._nodes:
+            if node is not sender and node.off_until is None:
+                node.deliver(done.frame, done.end)
+        for listener in self._listeners:
+            listener(done.frame, done.end)
+
+    def _count_failure(self, node: CanNode) -> None:
+        for strike in self._disturbances:
+            strike()
+        self.error_frames += 1
+        node.attempts_failed += 1
+        node.error_count += 8
+        if node.error_count >= BUS_OFF:
+            recovery = self.time.now + RECOVERY_BITS * SECOND // self.bitrate
+            node.off_until = FAR if self._disturbances else recovery
+            self._any_off = True
+
+    def _bring_back(self, now: int) -> None:
+        """Nodes whose time of bus-off is over take part again."""
+        for node in self._nodes:
+            if node.off_until is not None and node.off_until <= now:
+                node.off_until = None
+                node.error_count = 0
+        self._any_off = any(node.off_until is not None for node in self._nodes)
+
+    def _break_frame_under_way(self) -> None:
+        """The frame on the wire ends in an error frame now and will be sent again."""
+        if not self._plan:
+            return
+        broken = self._plan.popleft()
+        elapsed = -(-(self.time.now - self._run_start) * self.bitrate // SECOND)
+        error = ACTIVE_FLAG_BITS + ECHO_BITS + DELIMITER_BITS + INTERFRAME_BITS + _suspend_bits(broken.node)
+        began = self._run_bits - broken.bits
+        self._run_bits = elapsed + error
+        self._busy_bits += self._run_bits - began
+        broken.node.planned -= 1
+        broken.node.queue.appendleft(broken.frame)
+        self._count_failure(broken.node)
+
+    def _settle_unacknowledged(self, node: CanNode) -> None:
+        """Count the attempts of a node alone on the bus that began before now, without an event for each."""
+        failing = frame_bits(node.queue[0]) - 8 + ACTIVE_FLAG_BITS + DELIMITER_BITS + INTERFRAME_BITS
+        while (now := self.time.now) > self._instant(self._run_bits):
+            if node.error_count < ERROR_PASSIVE:
+                attempts, bits = 1, failing
+                node.error_count += 8
+            else:
+                bits = failing + SUSPEND_BITS
+                late = now - self._instant(self._run_bits)
+                attempts = max(1, late * self.bitrate // (bits * SECOND))
+            self._run_bits += attempts * bits
+            self._busy_bits += attempts * bits
+            self.error_frames += attempts
+            node.attempts_failed += attempts
+
+
+def _suspend_bits(node: CanNode) -> int:
+    """An error-passive node waits before it sends again."""
+    return SUSPEND_BITS if node.error_count >= ERROR_PASSIVE else 0
