@@ -6,7 +6,7 @@ want to see; while none of them is on, samples cost nothing until somebody reads
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from struct import unpack
 
 import numpy as np
@@ -14,7 +14,7 @@ import numpy as np
 from boards.chips.bmi160.calibration import OffsetMeasurement, conversion
 from boards.chips.bmi160.fifo import Fifo
 from boards.chips.bmi160.fifo_feed import FifoFeed, unfiltered
-from boards.chips.bmi160.interrupts import PULSE_NS, Interrupts, Source
+from boards.chips.bmi160.interrupts import PULSE_NS, SOURCES, Interrupts, Source
 from boards.chips.bmi160.motion import MotionDetectors
 from boards.chips.bmi160.power import LOW_POWER, NORMAL, PowerModes, Sensor
 from boards.chips.bmi160.register_map import ACC_RANGE, DRDY_ACC, DRDY_GYR
@@ -27,6 +27,11 @@ TEMPERATURE_FAST_TICKS, TEMPERATURE_SLOW_TICKS = 256, 32_768
 """Refresh: 10 ms with the gyroscope in normal mode, 1.28 s otherwise (fact sheet section 4)."""
 
 _DETECTORS = (Source.ANY_MOTION, Source.NO_MOTION, Source.HIGH_G, Source.LOW_G)
+
+
+def following(tick: int, period: int) -> int:
+    """The next multiple of a period after a tick."""
+    return (tick // period + 1) * period
 
 
 class Acquisition:
@@ -60,6 +65,7 @@ class Acquisition:
         self.accel_stream: Stream | None = None
         self._observed = 0
         self._step = 0
+        self._detecting = False
         self._newest = {Sensor.GYRO: -1, Sensor.ACCEL: -1}
         self._read = {Sensor.GYRO: -1, Sensor.ACCEL: -1}
         self._announced = -1
@@ -96,7 +102,7 @@ class Acquisition:
 
     def enables_changed(self, time_ns: int) -> None:
         """Follow the interrupt enables."""
-        for source in Source:
+        for source in SOURCES:
             if not source.enabled(self.registers):
                 self.interrupts.disable(source)
         self.motion.restart()
@@ -105,7 +111,8 @@ class Acquisition:
 
     def _choose_step(self) -> None:
         periods = [self.feed.step]
-        if self.accel_stream and (self.measurement or any(s.enabled(self.registers) for s in _DETECTORS)):
+        self._detecting = bool(self.accel_stream) and any(s.enabled(self.registers) for s in _DETECTORS)
+        if self.accel_stream and (self.measurement or self._detecting):
             periods.append(self.accel_stream.period)
         if self.gyro_stream and self.measurement:
             periods.append(self.gyro_stream.period)
@@ -133,7 +140,7 @@ class Acquisition:
             self.fifo_changed(time_ns)
         if self.measurement is not None:
             self.measurement.add(self.sampler.physical(tick))
-        if self.accel_stream is not None and tick % self.accel_stream.period == 0:
+        if self._detecting and self.accel_stream is not None and tick % self.accel_stream.period == 0:
             self._detect(tick, time_ns)
 
     def flush_fifo(self, time_ns: int) -> None:
@@ -174,10 +181,12 @@ class Acquisition:
         stream = self.gyro_stream if sensor is Sensor.GYRO else self.accel_stream
         return max(self._newest[sensor], self.sampler.last_sample(tick, stream))
 
-    def data_read(self, sensor: Sensor, time_ns: int) -> None:
-        """The bus read data registers of the gyroscope or the accelerometer."""
+    def data_read(self, sensors: Iterable[Sensor], time_ns: int) -> None:
+        """The bus read data registers of these sensors."""
         self.announce_data(time_ns)
-        self._read[sensor] = self.clock.tick(time_ns)
+        tick = self.clock.tick(time_ns)
+        for sensor in sensors:
+            self._read[sensor] = tick
         self.interrupts.withdraw(Source.DATA_READY)
 
     def data_ready_bits(self, time_ns: int) -> int:
@@ -198,13 +207,17 @@ class Acquisition:
 
     def next_sample(self, time_ns: int) -> int | None:
         """The next instant after `time_ns` at which a sample can change a pin."""
-        periods = [self._step]
+        tick = self.clock.tick(time_ns)
+        ticks = []
+        if self._detecting and self.accel_stream is not None:
+            ticks.append(following(tick, self.accel_stream.period))
         if Source.DATA_READY.enabled(self.registers):
-            periods += [stream.period for stream in (self.gyro_stream, self.accel_stream) if stream]
-        period = min((period for period in periods if period), default=0)
-        if not period:
-            return None
-        return self.clock.instant((self.clock.tick(time_ns) // period + 1) * period)
+            streams = (self.gyro_stream, self.accel_stream)
+            ticks += [following(tick, stream.period) for stream in streams if stream is not None]
+        steps = self.feed.steps_to_interrupt()
+        if steps:
+            ticks.append(following(tick, self.feed.step) + (steps - 1) * self.feed.step)
+        return self.clock.instant(min(ticks)) if ticks else None
 
     # -- temperature -------------------------------------------------------------------------------
 

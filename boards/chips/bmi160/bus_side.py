@@ -13,7 +13,7 @@ from boards.chips.bmi160.core import Core
 from boards.chips.bmi160.i2c_face import I2cFace
 from boards.chips.bmi160.pins import PIN_NAMES, OutputPins, PinNet, TagInputs
 from boards.chips.bmi160.power import Sensor
-from boards.chips.bmi160.register_map import FIFO_CONFIG_1, IF_CONF, NV_CONF
+from boards.chips.bmi160.register_map import FIFO_CONFIG_1, FIFO_DATA, IF_CONF, NV_CONF
 from boards.chips.registers import AccessLog, AccessReport, ReportKind
 from boards.chips.world import ImuWorld
 from hal.emulated.virtual_time import VirtualTime
@@ -23,6 +23,8 @@ POWER_ON_NS = 10_000_000
 
 RESET_NS = 1_000_000
 """Soft reset until the chip answers again."""
+
+_BOTH = (Sensor.GYRO, Sensor.ACCEL)
 
 _UNDRIVEN = 0xFF
 """What the bus shows while the chip is not there."""
@@ -152,7 +154,10 @@ class BusSide(ABC):
         """A burst read as of `time_ns`."""
         self._before_access(time_ns)
         data = self._core.read(address, count, time_ns)
-        self._after_read(time_ns)
+        if address <= FIFO_DATA < address + count:
+            self._after_change(time_ns)
+        else:
+            self._after_read(time_ns)
         return data
 
     def write_registers(self, address: int, data: bytes, start_ns: int, end_ns: int) -> None:
@@ -165,7 +170,7 @@ class BusSide(ABC):
             self._restart(end_ns + RESET_NS)
         elif self._core.registers.values[FIFO_CONFIG_1] & 0x0C:
             self._tags.follow(start_ns)
-        self._after_write(start_ns)
+        self._after_change(start_ns)
 
     def _before_access(self, time_ns: int) -> None:
         if time_ns < self._settled_ns:
@@ -175,8 +180,7 @@ class BusSide(ABC):
     def _settle_short_way(self) -> None:
         """Tell the data side of the last burst that was cut out of the image."""
         if self._burst_ns is not None:
-            self._core.data.data_read(Sensor.GYRO, self._burst_ns)
-            self._core.data.data_read(Sensor.ACCEL, self._burst_ns)
+            self._core.data.data_read(_BOTH, self._burst_ns)
             self._burst_ns = None
 
     def _early(self, detail: str, time_ns: int) -> None:
@@ -189,8 +193,8 @@ class BusSide(ABC):
         """Registers were read in the general way."""
 
     @abstractmethod
-    def _after_write(self, time_ns: int) -> None:
-        """Registers were written."""
+    def _after_change(self, time_ns: int) -> None:
+        """Registers were written or the FIFO was read."""
 
     @abstractmethod
     def _disarm(self) -> None:

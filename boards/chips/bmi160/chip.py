@@ -147,8 +147,8 @@ class Bmi160(BusSide):
             self._net.set(not self._active)
         self._arm_short_way(time_ns)
 
-    def _after_write(self, time_ns: int) -> None:
-        """A write may have changed anything."""
+    def _after_change(self, time_ns: int) -> None:
+        """A write may have changed anything, a read of the FIFO when it will be full again."""
         self._schedule(time_ns)
 
     def _disarm(self) -> None:
@@ -192,13 +192,14 @@ class Bmi160(BusSide):
     def _look(self) -> int | None:
         """Event of the general kind: something may have become due or been sampled."""
         now = self._time.now
+        core = self._core
+        due = core.commands.next_due
         self._settle_short_way()
-        self._core.advance(now)
-        self._outputs.drive(now)
-        watched = self._outputs.watched(self._listener_arrived)
-        if not watched or self._only_data_ready(watched):
+        core.advance(now)
+        if (due is not None and due <= now) or not self._outputs.watched(self._listener_arrived):
             self._schedule(now)
             return None
+        self._outputs.drive(now)
         self._arm_short_way(now)
         return self._next_event(now)
 

@@ -118,8 +118,9 @@ class Core:
             else:
                 data.append(self.registers.read(address, time_ns, running_on=bool(data)))
                 address = (address + 1) & 0x7F
-        while self._touched:
-            self.data.data_read(self._touched.pop(), time_ns)
+        if self._touched:
+            self.data.data_read(self._touched, time_ns)
+            self._touched.clear()
         return bytes(data)
 
     def _read_fifo(self, count: int, time_ns: int) -> bytes:

@@ -18,6 +18,7 @@ GYRO_FRAME, ACCEL_FRAME = 0x88, 0x84
 """Headers of regular frames; a combined frame has both bits."""
 
 _SKIP_FRAME_LENGTH = 2
+INPUT_CONFIG_LENGTH = 2
 
 
 class Fifo:

@@ -9,7 +9,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from boards.chips.bmi160.fifo import ACCEL_FRAME, GYRO_FRAME, INPUT_CONFIG, Fifo
+from boards.chips.bmi160.fifo import (
+    ACCEL_FRAME,
+    CAPACITY,
+    GYRO_FRAME,
+    INPUT_CONFIG,
+    INPUT_CONFIG_LENGTH,
+    Fifo,
+)
+from boards.chips.bmi160.interrupts import Source
 from boards.chips.bmi160.register_map import FIFO_CONFIG_0, FIFO_CONFIG_1, FIFO_DOWNS
 from boards.chips.bmi160.sampler import Plan, Sampler
 from boards.chips.bmi160.settings import UNFILTERED_ACCEL, UNFILTERED_GYRO, Stream
@@ -104,13 +112,35 @@ class FifoFeed:
         return inputs & ((0x01 if enabled & _TAG_INT1 else 0) | (0x02 if enabled & _TAG_INT2 else 0))
 
     @property
+    def _watermark(self) -> int:
+        return self._registers[FIFO_CONFIG_0] * WATERMARK_UNIT
+
+    @property
+    def _frame_length(self) -> int:
+        """Of the longest data frame."""
+        return 6 * (bool(self._gyro) + bool(self._accel)) + self._fifo.header_mode
+
+    @property
     def watermark_reached(self) -> bool:
         """Whether the fill level is at the watermark or above."""
-        level = self._registers[FIFO_CONFIG_0] * WATERMARK_UNIT
+        level = self._watermark
         return bool(level) and len(self._fifo) >= level
 
     @property
     def full(self) -> bool:
         """Whether the next frame would push the oldest out."""
-        length = 6 * (bool(self._gyro) + bool(self._accel)) + self._fifo.header_mode
-        return length > 1 and not self._fifo.fits(length)
+        return bool(self._gyro or self._accel) and not self._fifo.fits(self._frame_length)
+
+    def steps_to_interrupt(self) -> int:
+        """Steps until an enabled FIFO interrupt can fire at the earliest; 0 when none can."""
+        if not self.step:
+            return 0
+        room = []
+        if Source.FIFO_WATERMARK.enabled(self._registers) and self._watermark and not self.watermark_reached:
+            room.append(self._watermark - len(self._fifo))
+        if Source.FIFO_FULL.enabled(self._registers) and not self.full:
+            room.append(CAPACITY + 1 - self._frame_length - len(self._fifo))
+        if not room:
+            return 0
+        coming = min(room) - (INPUT_CONFIG_LENGTH if self.changed else 0)
+        return max(1, -(-coming // self._frame_length))

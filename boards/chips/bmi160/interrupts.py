@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from enum import Enum
 
 from boards.chips.bmi160.register_map import INT_EN_0, INT_LATCH, INT_MAP_0, INT_MAP_1, INT_MAP_2
 
@@ -26,26 +25,52 @@ LATCH_NS = (0, *(312_500 << code for code in range(14)))
 """Latch time of codes 0x1 … 0xE: 312.5 µs, doubling, 2.56 s."""
 
 
-class Source(Enum):
-    """(status byte, status bit, enable byte, enable bits, map bit for INT1, for INT2, in INT_MAP_1?)."""
+@dataclass(frozen=True, slots=True, eq=False)
+class SourceBits:
+    """Where the bits of one interrupt source lie."""
 
-    ANY_MOTION = (0, 0x04, 0, 0x07, 0x04, 0x04, False)
-    NO_MOTION = (1, 0x80, 2, 0x07, 0x08, 0x08, False)
-    HIGH_G = (1, 0x04, 1, 0x07, 0x02, 0x02, False)
-    LOW_G = (1, 0x08, 1, 0x08, 0x01, 0x01, False)
-    DATA_READY = (1, 0x10, 1, 0x10, 0x80, 0x08, True)
-    FIFO_FULL = (1, 0x20, 1, 0x20, 0x20, 0x02, True)
-    FIFO_WATERMARK = (1, 0x40, 1, 0x40, 0x40, 0x04, True)
+    status_byte: int
+    status_bit: int
+    enable_register: int
+    enable_bits: int
+    map_registers: tuple[int, int]
+    """For INT1 and INT2."""
+    map_bits: tuple[int, int]
 
     def enabled(self, registers: Sequence[int]) -> int:
         """The source's enable bits, 0 when it is off."""
-        return registers[INT_EN_0 + self.value[2]] & self.value[3]
+        return registers[self.enable_register] & self.enable_bits
 
     def mapped(self, registers: Sequence[int], pin: int) -> bool:
         """Whether it drives INT1 (pin 0) or INT2 (pin 1)."""
-        if self.value[6]:
-            return bool(registers[INT_MAP_1] & self.value[4 + pin])
-        return bool(registers[(INT_MAP_0, INT_MAP_2)[pin]] & self.value[4 + pin])
+        return bool(registers[self.map_registers[pin]] & self.map_bits[pin])
+
+
+_FEATURES = (INT_MAP_0, INT_MAP_2)
+_DATA = (INT_MAP_1, INT_MAP_1)
+
+
+class Source:
+    """The interrupt sources."""
+
+    ANY_MOTION = SourceBits(0, 0x04, INT_EN_0, 0x07, _FEATURES, (0x04, 0x04))
+    NO_MOTION = SourceBits(1, 0x80, INT_EN_0 + 2, 0x07, _FEATURES, (0x08, 0x08))
+    HIGH_G = SourceBits(1, 0x04, INT_EN_0 + 1, 0x07, _FEATURES, (0x02, 0x02))
+    LOW_G = SourceBits(1, 0x08, INT_EN_0 + 1, 0x08, _FEATURES, (0x01, 0x01))
+    DATA_READY = SourceBits(1, 0x10, INT_EN_0 + 1, 0x10, _DATA, (0x80, 0x08))
+    FIFO_FULL = SourceBits(1, 0x20, INT_EN_0 + 1, 0x20, _DATA, (0x20, 0x02))
+    FIFO_WATERMARK = SourceBits(1, 0x40, INT_EN_0 + 1, 0x40, _DATA, (0x40, 0x04))
+
+
+SOURCES = (
+    Source.ANY_MOTION,
+    Source.NO_MOTION,
+    Source.HIGH_G,
+    Source.LOW_G,
+    Source.DATA_READY,
+    Source.FIFO_FULL,
+    Source.FIFO_WATERMARK,
+)
 
 
 @dataclass(slots=True)
@@ -71,11 +96,13 @@ class Interrupts:
     """Axis and sign of any-motion for INT_STATUS_2, of the last time it was asserted."""
     high_g_detail: int = 0
     """The same of high-g for INT_STATUS_3."""
-    _latches: dict[Source, _Latch] = field(default_factory=lambda: {source: _Latch() for source in Source})
+    _latches: dict[SourceBits, _Latch] = field(
+        default_factory=lambda: {source: _Latch() for source in SOURCES}
+    )
 
     def reset(self) -> None:
         """Clear every status, latch and pin (command, and soft reset)."""
-        for source in Source:
+        for source in SOURCES:
             self._latches[source] = _Latch()
         self.motion_detail = self.high_g_detail = 0
 
@@ -84,7 +111,7 @@ class Interrupts:
         """The latch code in use."""
         return self.registers[INT_LATCH] & 0x0F
 
-    def set_condition(self, source: Source, condition: bool, time_ns: int) -> None:
+    def set_condition(self, source: SourceBits, condition: bool, time_ns: int) -> None:
         """Tell whether the condition of a source holds from `time_ns` on."""
         latch = self._latches[source]
         if condition and not latch.condition and not latch.active(time_ns, self.mode):
@@ -92,27 +119,27 @@ class Interrupts:
             latch.latched = True
         latch.condition = condition
 
-    def event(self, source: Source, time_ns: int) -> None:
+    def event(self, source: SourceBits, time_ns: int) -> None:
         """A source without a duration of its own fires (data ready)."""
         latch = self._latches[source]
         if not self.active(source, time_ns):
             latch.since = time_ns
             latch.latched = True
 
-    def withdraw(self, source: Source) -> None:
+    def withdraw(self, source: SourceBits) -> None:
         """End a non-latched assertion because its cause was served."""
         if self.mode == NON_LATCHED:
             self._latches[source] = _Latch()
 
-    def disable(self, source: Source) -> None:
+    def disable(self, source: SourceBits) -> None:
         """Forget a source that was switched off."""
         self._latches[source] = _Latch()
 
-    def condition(self, source: Source) -> bool:
+    def condition(self, source: SourceBits) -> bool:
         """Whether a source's condition holds."""
         return self._latches[source].condition
 
-    def active(self, source: Source, time_ns: int) -> bool:
+    def active(self, source: SourceBits, time_ns: int) -> bool:
         """Whether a source is asserted."""
         latch, mode = self._latches[source], self.mode
         if source is Source.DATA_READY and mode == NON_LATCHED:
@@ -122,12 +149,12 @@ class Interrupts:
     def status(self, time_ns: int) -> tuple[int, int, int, int]:
         """The registers INT_STATUS_0 … 3."""
         status = [0, 0, 0, 0]
-        for source in Source:
+        for source in SOURCES:
             if self.active(source, time_ns):
-                status[source.value[0]] |= source.value[1]
-        if status[0] & Source.ANY_MOTION.value[1]:
+                status[source.status_byte] |= source.status_bit
+        if status[0] & Source.ANY_MOTION.status_bit:
             status[2] = self.motion_detail
-        if status[1] & Source.HIGH_G.value[1]:
+        if status[1] & Source.HIGH_G.status_bit:
             status[3] = self.high_g_detail
         return status[0], status[1], status[2], status[3]
 
@@ -135,13 +162,13 @@ class Interrupts:
         """A status register was read: it clears its latched bits whose condition is over."""
         if self.mode != LATCHED:
             return
-        for source in Source:
-            if source.value[0] == byte:
+        for source in SOURCES:
+            if source.status_byte == byte:
                 self._latches[source].latched = False
 
     def asserted(self, pin: int, time_ns: int, edge_mode: bool) -> bool:
         """Whether a pin is at its active level."""
-        for source in Source:
+        for source in SOURCES:
             if source.mapped(self.registers, pin):
                 since = self._latches[source].since
                 if edge_mode:

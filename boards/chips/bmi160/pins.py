@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
-from boards.chips.bmi160.interrupts import Interrupts, Source
+from boards.chips.bmi160.interrupts import SOURCES, Interrupts, SourceBits
 from boards.chips.bmi160.register_map import INT_LATCH, INT_OUT_CTRL
 
 PIN_NAMES = ("INT1", "INT2")
@@ -63,10 +63,10 @@ class OutputPins:
                 pins.append(pin)
         return pins
 
-    def sources(self, pin: int) -> list[Source]:
+    def sources(self, pin: int) -> list[SourceBits]:
         """The enabled sources that drive a pin."""
         registers = self._registers
-        return [source for source in Source if source.enabled(registers) and source.mapped(registers, pin)]
+        return [source for source in SOURCES if source.enabled(registers) and source.mapped(registers, pin)]
 
     def active_level(self, pin: int) -> bool:
         """The electrical level of the asserted pin."""

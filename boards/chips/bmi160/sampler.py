@@ -1,7 +1,7 @@
 """From the world to the data registers: samples of both sensors in blocks, as register images.
 
 Accelerometer and gyroscope sample on one clock; instants are the multiples of a stream's period in sensor
-time (fact sheet section 7). The world is asked once per block (0.64 s) on the grid of the fastest stream
+time (fact sheet section 7). The world is asked once per block (0.88 s) on the grid of the fastest stream
 and with the widest bandwidth; a slower or narrower stream takes the mean over the 2^k last grid samples,
 which has k octaves less noise bandwidth. So with equal settings of both sensors the samples are the
 world's instantaneous values.
@@ -25,8 +25,8 @@ from boards.chips.bmi160.sensor_clock import SensorClock
 from boards.chips.bmi160.settings import UNFILTERED_ACCEL, UNFILTERED_GYRO, Stream
 from boards.chips.world import ImuWorld
 
-BLOCK_TICKS = 16_384
-"""0.64 s of the chip's own clock."""
+BLOCK_TICKS = 22_528
+"""0.88 s of the chip's own clock: the world lets a chip go back by a second when it is set up anew."""
 
 _GYR, _ACC = slice(3, 6), slice(0, 3)
 """Columns of the world's array."""

@@ -346,6 +346,36 @@ def test_full_interrupt_when_the_next_frame_would_not_fit() -> None:
     assert not rig.nets["INT1"].level
 
 
+@settings(max_examples=25, deadline=None, phases=(Phase.explicit, Phase.reuse, Phase.generate))
+@given(
+    accel_code=st.integers(5, 10),
+    gyro_code=st.integers(6, 10),
+    watermark=st.integers(1, 250),
+    config=st.sampled_from([GYRO_ON, ACCEL_ON, GYRO_ON | ACCEL_ON]),
+    range_change=st.booleans(),
+)
+def test_watermark_edge_comes_with_the_sample_that_reaches_it(
+    accel_code: int, gyro_code: int, watermark: int, config: int, range_change: bool
+) -> None:
+    """The edge, foreseen without an event a sample, against the fill level looked at every millisecond."""
+    writes = ((0x40, 0x20 | accel_code), (0x42, 0x20 | gyro_code), (0x46, watermark), *WATERMARK_ON_INT1)
+    followed, polled = (fifo_rig(config | HEADER, steady, *writes, listen=listen) for listen in ("INT1", ""))
+    for rig in (followed, polled):
+        if range_change:
+            rig.write(0x41, 0x05, gap_ns=2_000)
+    followed.until(6_000 * MS)
+    for _ in range(5_700):
+        polled.wait(1 * MS)
+        if length(polled) >= 4 * watermark:
+            break
+    reached = [when for when, level in followed.edges["INT1"] if level]
+    if length(polled) < 4 * watermark:
+        assert reached == []
+    else:
+        assert len(reached) == 1
+        assert 0 <= polled.time.now - reached[0] < 2 * MS
+
+
 # -- everything that goes in comes out -----------------------------------------------------------------
 
 

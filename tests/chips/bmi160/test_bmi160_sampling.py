@@ -412,10 +412,10 @@ def test_reading_after_a_long_time_costs_one_block() -> None:
     assert len(rig.world.calls) == calls + 1
 
 
-def test_world_is_asked_in_blocks_of_two_thirds_of_a_second() -> None:
+def test_world_is_asked_in_blocks_of_less_than_a_second() -> None:
     rig = data_ready_rig()
     rig.start()
     rig.wait(10_000 * MS)
     blocks = [call for call in rig.world.calls if call[2] > 1]
-    assert all(call[2] == 64 for call in blocks)
-    assert all(call[1] - call[0] == 630 * MS for call in blocks)
+    assert all(call[2] == 88 for call in blocks)
+    assert all(call[1] - call[0] == 870 * MS for call in blocks)
