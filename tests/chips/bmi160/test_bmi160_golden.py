@@ -1,4 +1,4 @@
-"""A session on the wire, kept as text: every byte and every edge of INT1 must come again.
+"""A transcript of the wire, kept as text: every byte and every edge of INT1 must come again.
 
 A line of the transcript is `time_ns MOSI -> MISO`, or `time_ns INT1 level` for an edge; `#` comments. The
 world is deterministic: a slow swing. When a change of the model is meant, replace the file by what the
