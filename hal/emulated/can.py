@@ -6,7 +6,7 @@ from collections import deque
 
 from hal.can import CanFrame
 from hal.emulated.can_bus import ERROR_PASSIVE, EmulatedCanBus
-from hal.emulated.can_frame import check_frame
+from hal.emulated.can_frame import frame_bits
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.interrupt_line import EmulatedLine
 
@@ -25,22 +25,21 @@ class CanNode:
         self.attempts_failed = 0
         self.off_until: int | None = None
         """While bus-off: when it comes back (FAR: not before the disturbance ends)."""
-        self.queue: deque[CanFrame] = deque()
+        self.queue: deque[tuple[CanFrame, int]] = deque()
+        """Frames that wait, each with its length in bits."""
         self.planned = 0
         self.prompt = False
         """Whether frames must be delivered exactly when they end."""
         bus.attach(self)
 
     def send(self, frames: tuple[CanFrame, ...]) -> int:
-        """Queue frames in order and return how many were taken."""
+        """Queue frames in order and return how many were taken. ValueError for one that CAN does not have."""
         bus = self.bus
         bus.catch_up()
         room = self.depth - len(self.queue) - self.planned
         taken = frames[:room] if room > 0 else ()
-        for frame in taken:
-            check_frame(frame)
         if taken:
-            self.queue.extend(taken)
+            self.queue.extend([(frame, frame_bits(frame)) for frame in taken])
             bus.replan()
         return len(taken)
 

@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from hal.can import CanFrame
 from hal.emulated.alarm import Alarm
-from hal.emulated.can_frame import INTERFRAME_BITS, arbitration_key, frame_bits
+from hal.emulated.can_frame import INTERFRAME_BITS, arbitration_key
 from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
 
 if TYPE_CHECKING:
@@ -37,12 +37,13 @@ CanListener = Callable[[CanFrame, int], None]
 
 
 class Transmission(NamedTuple):
-    """A planned frame, or an attempt at one that fails. `bits`: with everything up to the next start."""
+    """A planned frame or an attempt that fails. `length`: of the frame, `bits`: up to the next start."""
 
     begin: int
     end: int
     node: CanNode
     frame: CanFrame
+    length: int
     bits: int
     succeeds: bool
 
@@ -144,9 +145,7 @@ class EmulatedCanBus:
         self._alone = None
         while ready := [node for node in self._nodes if node.queue and node.off_until is None]:
             # The lowest bits win the arbitration; of two equal frames that of the node attached first.
-            node = (
-                ready[0] if len(ready) == 1 else min(ready, key=lambda node: arbitration_key(node.queue[0]))
-            )
+            node = ready[0] if len(ready) == 1 else min(ready, key=_urgency)
             if self._disturbances:
                 self._plan_failure(node)
                 break
@@ -154,7 +153,7 @@ class EmulatedCanBus:
                 self._alone = node
                 break
             for _ in range(len(node.queue) if len(ready) == 1 else 1):
-                length = frame_bits(node.queue[0])
+                length = node.queue[0][1]
                 self._add(node, length, length + INTERFRAME_BITS, succeeds=True)
         self._alarm.by(self._next_instant())
 
@@ -177,7 +176,7 @@ class EmulatedCanBus:
         plan = self._plan
         while plan and plan[-1].begin >= self.time.now:
             planned = plan.pop()
-            planned.node.queue.appendleft(planned.frame)
+            planned.node.queue.appendleft((planned.frame, planned.length))
             planned.node.planned -= 1
             self._run_bits -= planned.bits
 
@@ -188,15 +187,16 @@ class EmulatedCanBus:
 
     def _plan_failure(self, node: CanNode) -> None:
         """One attempt that the disturbance breaks right behind the arbitration field."""
-        bits = (33 if node.queue[0].extended else 13) + ACTIVE_FLAG_BITS + ECHO_BITS + DELIMITER_BITS
+        bits = (33 if node.queue[0][0].extended else 13) + ACTIVE_FLAG_BITS + ECHO_BITS + DELIMITER_BITS
         bits += INTERFRAME_BITS + _suspend_bits(node)
         self._add(node, bits, bits, succeeds=False)
 
-    def _add(self, node: CanNode, length: int, bits: int, succeeds: bool) -> None:
+    def _add(self, node: CanNode, duration: int, bits: int, succeeds: bool) -> None:
         start, rate, at = self._run_start, self.bitrate, self._run_bits
         begin = start + at * SECOND // rate
-        end = start + (at + length) * SECOND // rate
-        self._plan.append(Transmission(begin, end, node, node.queue.popleft(), bits, succeeds))
+        end = start + (at + duration) * SECOND // rate
+        frame, length = node.queue.popleft()
+        self._plan.append(Transmission(begin, end, node, frame, length, bits, succeeds))
         self._run_bits = at + bits
         node.planned += 1
 
@@ -229,7 +229,7 @@ class EmulatedCanBus:
         sender.planned -= 1
         self._busy_bits += done.bits
         if not done.succeeds:
-            sender.queue.appendleft(done.frame)
+            sender.queue.appendleft((done.frame, done.length))
             self._count_failure(sender)
             return
         self.frames += 1
@@ -271,12 +271,12 @@ class EmulatedCanBus:
         self._run_bits = elapsed + error
         self._busy_bits += self._run_bits - began
         broken.node.planned -= 1
-        broken.node.queue.appendleft(broken.frame)
+        broken.node.queue.appendleft((broken.frame, broken.length))
         self._count_failure(broken.node)
 
     def _settle_unacknowledged(self, node: CanNode) -> None:
         """Count the attempts of a node alone on the bus that began before now, without an event for each."""
-        failing = frame_bits(node.queue[0]) - 8 + ACTIVE_FLAG_BITS + DELIMITER_BITS + INTERFRAME_BITS
+        failing = node.queue[0][1] - 8 + ACTIVE_FLAG_BITS + DELIMITER_BITS + INTERFRAME_BITS
         while (now := self.time.now) > self._instant(self._run_bits):
             if node.error_count < ERROR_PASSIVE:
                 attempts, bits = 1, failing
@@ -294,3 +294,7 @@ class EmulatedCanBus:
 def _suspend_bits(node: CanNode) -> int:
     """An error-passive node waits before it sends again."""
     return SUSPEND_BITS if node.error_count >= ERROR_PASSIVE else 0
+
+
+def _urgency(node: CanNode) -> int:
+    return arbitration_key(node.queue[0][0])

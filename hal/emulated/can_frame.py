@@ -66,19 +66,15 @@ def _linked_table() -> list[list[Any]]:
 STUFF_ROWS = _linked_table()
 
 
-def check_frame(frame: CanFrame) -> None:
-    """Raises ValueError for a frame that CAN 2.0 does not have."""
-    limit = 0x1FFF_FFFF if frame.extended else 0x7FF
-    if not 0 <= frame.identifier <= limit:
-        kind = "29-bit" if frame.extended else "11-bit"
-        raise ValueError(f"CAN identifier 0x{frame.identifier:X}: a {kind} one is at most 0x{limit:X}")
-    if len(frame.data) > 8:
-        raise ValueError(f"CAN frame 0x{frame.identifier:X} with {len(frame.data)} data bytes; 8 at most")
-
-
 @lru_cache(maxsize=4096)
 def _header(identifier: int, extended: bool, length: int) -> tuple[int, list[Any], int]:
     """CRC and row of the stuffing state before the data; bits of the frame without the stuff bits behind."""
+    limit = 0x1FFF_FFFF if extended else 0x7FF
+    if not 0 <= identifier <= limit:
+        kind = "29-bit" if extended else "11-bit"
+        raise ValueError(f"CAN identifier 0x{identifier:X}: a {kind} one is at most 0x{limit:X}")
+    if length > 8:
+        raise ValueError(f"CAN frame 0x{identifier:X} with {length} data bytes; 8 at most")
     if extended:
         high, low = identifier >> 18, identifier & 0x3FFFF
         bits, value = 39, ((high << 2 | 0b11) << 18 | low) << 7 | length
@@ -92,7 +88,10 @@ def _header(identifier: int, extended: bool, length: int) -> tuple[int, list[Any
 
 
 def frame_bits(frame: CanFrame) -> int:
-    """Bits from start of frame to end of frame, without the interframe space."""
+    """Bits from start of frame to end of frame, without the interframe space.
+
+    Raises ValueError for a frame that CAN 2.0 does not have.
+    """
     identifier, data, extended = frame
     crc, row, bits = _header(identifier, extended, len(data))
     table = CRC_TABLE
