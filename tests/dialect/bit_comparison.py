@@ -22,6 +22,7 @@ from firmware.numerics.signature import Signature
 
 SECONDS_ALLOWED = 2.0  # of this process, whatever else the machine does
 FEWEST_TRIALS = 8
+OWNERS_TRIALS = 48
 
 
 class OutOfArrayError(IndexError):
@@ -88,7 +89,7 @@ def compare(interpreted: Built, compiled: Built, inputs: MakeInputs | None) -> I
 
 def _owners_trials(built: Built, inputs: MakeInputs) -> Iterator[tuple[tuple[Any, ...], list[Any]]]:
     rng = generated_inputs.rng_of(built.name)
-    for _ in range(FEWEST_TRIALS):
+    for _ in range(OWNERS_TRIALS):
         arguments = tuple(inputs(rng))
         yield arguments, _run_interpreted(built, arguments)
 

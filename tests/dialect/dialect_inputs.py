@@ -1,0 +1,143 @@
+"""Inputs of the navigation kernels for the gate: states met on a short drive, every phase of it.
+
+A minute in closed form: rest, a straight start, turns at 10 m/s, ten seconds without GNSS, bad samples at
+times. The compiled kernels themselves make the states; the gate then takes single steps from them both ways.
+"""
+
+import functools
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware.apps.car_mems.sample_clock import CLOCK_SIZE, reset_clock
+from firmware.apps.car_mems.steps import CLOCK_AT, MEAN_SIZE
+from firmware.drivers import gnss_epoch as gnss
+from firmware.nav import layout
+from firmware.nav.config import NavConfig, configure
+from firmware.nav.gnss import gnss_step
+from firmware.nav.imu import imu_step
+
+STEP_NS = 10_000_000
+STEPS = 6_000
+GRAVITY = 9.80665
+EARTH_RADIUS = 6_371_000.0
+LATITUDE, LONGITUDE = math.radians(50.0), math.radians(8.0)
+REST_S, START_S, OUTAGE_S = 20.0, 30.0, (45.0, 55.0)
+TURN_RATE, SPEED = 0.1, 10.0
+COUNT_PER_RADIAN_S = 16.4 * 180.0 / math.pi
+COUNT_PER_G = 16_384.0
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A state, and what comes next: a sample (rate 3, force 3) and at full seconds an epoch."""
+
+    f: NDArray[np.float32]
+    i: NDArray[np.int64]
+    t_ns: int
+    sample: tuple[float, ...]
+    epoch: NDArray[np.int64] | None
+
+
+@functools.cache
+def moments() -> tuple[Moment, ...]:
+    rng = np.random.Generator(np.random.PCG64(3))
+    f = np.zeros(layout.F_SIZE + MEAN_SIZE, np.float32)
+    i = np.zeros(layout.I_SIZE + CLOCK_SIZE, np.int64)
+    configure(f[: layout.F_SIZE], i[: layout.I_SIZE], NavConfig())
+    reset_clock(i, int(CLOCK_AT))
+    chosen = set(rng.integers(0, STEPS, 150).tolist()) | set(range(99, STEPS, 100))
+    north = east = 0.0
+    found = []
+    for k in range(STEPS):
+        t_ns, t = (k + 1) * STEP_NS, (k + 1) * 0.01
+        speed = min(max(t - REST_S, 0.0), SPEED)
+        turn = TURN_RATE if t > START_S else 0.0
+        heading = TURN_RATE * max(t - START_S, 0.0)
+        north += speed * math.cos(heading) * 0.01
+        east += speed * math.sin(heading) * 0.01
+        ahead = 1.0 if REST_S < t < START_S else 0.0
+        rate = rng.normal([0.002, -0.003, turn + 0.001], 0.002)
+        force = rng.normal([ahead + 0.05, speed * turn - 0.02, -GRAVITY], 0.02)
+        sample = tuple(float(x) for x in np.concatenate([rate, force]))
+        if k % 997 == 500:
+            sample = (math.nan, *sample[1:])
+        receives = t_ns % 1_000_000_000 == 0 and not OUTAGE_S[0] < t < OUTAGE_S[1]
+        epoch = _epoch(t_ns, north, east, speed, heading) if receives else None
+        if k in chosen:
+            found.append(Moment(f.copy(), i.copy(), t_ns, sample, epoch))
+        imu_step(f[: layout.F_SIZE], i[: layout.I_SIZE], t_ns, 0.01, *sample)
+        if epoch is not None:
+            gnss_step(f[: layout.F_SIZE], i[: layout.I_SIZE], epoch)
+    return tuple(found)
+
+
+def _epoch(t_ns: int, north: float, east: float, speed: float, heading: float) -> NDArray[np.int64]:
+    epoch = gnss.new_epoch()
+    epoch[gnss.FLAGS] = 0xFF
+    epoch[gnss.TIME_OF_DAY_MS] = t_ns // 1_000_000
+    epoch[gnss.DATE_DAYS] = 15_000
+    epoch[gnss.LAT_NANODEG] = round(math.degrees(LATITUDE + north / EARTH_RADIUS) * 1e9)
+    epoch[gnss.LON_NANODEG] = round(math.degrees(LONGITUDE + east / EARTH_RADIUS / math.cos(LATITUDE)) * 1e9)
+    epoch[gnss.HEIGHT_MM] = 120_000
+    epoch[gnss.SPEED_MMPS] = round(speed * 1e3)
+    epoch[gnss.COURSE_E5DEG] = round(math.degrees(heading % (2 * math.pi)) * 1e5)
+    epoch[gnss.VEL_N_MMPS] = round(speed * math.cos(heading) * 1e3)
+    epoch[gnss.VEL_E_MMPS] = round(speed * math.sin(heading) * 1e3)
+    epoch[[gnss.H_ACC_MM, gnss.V_ACC_MM, gnss.S_ACC_MMPS]] = 1500, 2500, 50
+    epoch[[gnss.FIX_QUALITY, gnss.SATELLITES, gnss.FIX_TYPE]] = 1, 12, 3
+    epoch[[gnss.BURST_START_NS, gnss.BURST_END_NS]] = t_ns - 200_000_000, t_ns
+    epoch[gnss.VALID_NS] = t_ns - 280_000_000
+    return epoch
+
+
+def _any_moment(rng: np.random.Generator) -> Moment:
+    return moments()[rng.integers(0, len(moments()))]
+
+
+def for_imu_step(rng: np.random.Generator) -> tuple[Any, ...]:
+    now = _any_moment(rng)
+    return now.f, now.i, now.t_ns, 0.01, *now.sample
+
+
+def for_gnss_step(rng: np.random.Generator) -> tuple[Any, ...]:
+    received = [moment for moment in moments() if moment.epoch is not None]
+    now = received[rng.integers(0, len(received))]
+    return now.f, now.i, now.epoch
+
+
+def for_solution(rng: np.random.Generator) -> tuple[Any, ...]:
+    now = _any_moment(rng)
+    return now.f, now.i, np.zeros(64, np.float32), np.zeros(64, np.int64)
+
+
+def for_series(rng: np.random.Generator) -> tuple[Any, ...]:
+    return _any_moment(rng).f, np.zeros(64, np.float32)
+
+
+def for_raw_sample(rng: np.random.Generator) -> tuple[Any, ...]:
+    """A burst of the sensor: status, rate and force in counts, 24 bits of sensor time."""
+    now = _any_moment(rng)
+    si = np.nan_to_num(np.array(now.sample))
+    counts = np.concatenate([si[:3] * COUNT_PER_RADIAN_S, si[3:] / GRAVITY * COUNT_PER_G])
+    clipped = np.clip(np.round(counts), -32768, 32767).astype("<i2")
+    ticks = (now.t_ns // 39_062) & 0xFFFFFF
+    raw = bytes([0]) + clipped.tobytes() + ticks.to_bytes(3, "little")
+    f = now.f.copy()
+    f[layout.F_SIZE + 6] = rng.integers(0, 10)
+    return f, now.i, np.frombuffer(bytearray(raw), np.uint8), now.t_ns
+
+
+INPUTS = {
+    "firmware.nav.imu.imu_step": for_imu_step,
+    "firmware.nav.gnss.gnss_step": for_gnss_step,
+    "firmware.nav.solution.solution": for_solution,
+    "firmware.nav.solution.covariance": for_series,
+    "firmware.nav.solution.innovation": for_series,
+    "firmware.nav.solution.biases": for_series,
+    "firmware.apps.car_mems.steps.data_ready_step": for_raw_sample,
+    "firmware.apps.car_mems.steps.timer_sample": for_raw_sample,
+}
