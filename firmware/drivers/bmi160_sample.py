@@ -4,7 +4,7 @@ The burst as it lies in the driver's buffer: byte 0 is the address byte's slot, 
 accelerometer x, y, z (16 bits each, low byte first) and sensortime (24 bits, low byte first); fact sheet
 sections 3, 4 and 7.
 
-    ω = count · π/180 / (LSB per °/s),   f = count · g / (LSB per g),   Δt = (ticks mod 2²⁴) · 39.0625 µs
+    ω = count · π/180 / (LSB per °/s),   f = count · g / (LSB per g),   Δt = (n₂ − n₁ mod 2²⁴) · 39.0625 µs
 """
 
 import math
@@ -27,17 +27,16 @@ DEFAULT_ACCEL_RANGE_G = 4
 RAD_PER_LSB = np.float32(math.pi / 180.0 / LSB_PER_DPS[DEFAULT_GYRO_RANGE_DPS])
 METRE_PER_S2_PER_LSB = np.float32(STANDARD_GRAVITY / LSB_PER_G[DEFAULT_ACCEL_RANGE_G])
 
-TICK_S = np.float32(39.0625e-6)
+TWO_TICKS_NS = 78_125
+"""A tick of the sensortime is 39.0625 µs."""
 SENSORTIME_MASK = 0xFFFFFF
 
 # A converted sample.
-DT = 0
-"""s since the sample before."""
-OMEGA = 1
+OMEGA = 0
 """ω x, y, z in rad/s, sensor axes."""
-FORCE = 4
+FORCE = 3
 """f x, y, z in m/s², sensor axes."""
-SAMPLE_SIZE = 7
+SAMPLE_SIZE = 6
 
 
 def scales(gyro_range_dps: int, accel_range_g: int) -> NDArray[np.float32]:
@@ -50,8 +49,8 @@ def scales(gyro_range_dps: int, accel_range_g: int) -> NDArray[np.float32]:
 @kernel
 def signed_16(low, high):
     """Two's complement of two bytes."""
-    value = np.int32(low) | np.int32(np.int64(high) << np.int64(8))
-    return np.float32(value - np.int32(65536) if value >= np.int32(32768) else value)
+    left = np.int32((np.int64(high) << 24) | (np.int64(low) << 16))
+    return np.float32(np.int32(left >> 16))
 
 
 @kernel
@@ -79,25 +78,20 @@ def sensortime(raw):
     return np.int64(raw[13]) | (np.int64(raw[14]) << np.int64(8)) | (np.int64(raw[15]) << np.int64(16))
 
 
-@kernel
-def seconds_between(before, now):
-    """Time from one sensortime to a later one, less than its wrap of 655 s away."""
-    return np.float32(np.int32((now - before) & SENSORTIME_MASK)) * TICK_S
+@kernel("int64(int64, int64)")
+def nanoseconds_between(before, now):
+    """Time from one sensortime to a later one, less than its wrap of 655 s away, by the chip's clock."""
+    return (((now - before) & SENSORTIME_MASK) * TWO_TICKS_NS) >> 1
 
 
-@kernel("int64(uint8[::1], float32[::1], int64, float32[::1])")
-def convert(raw, scale, before, sample):
-    """Fill `sample` (SAMPLE_SIZE) from a burst, with `scales` and the sensortime of the sample before.
-
-    Returns the sensortime of this one.
-    """
-    now = sensortime(raw)
+@kernel("int64(uint8[::1], float32[::1], float32[::1])")
+def convert(raw, scale, sample):
+    """Fill `sample` (SAMPLE_SIZE) from a burst, at the `scales` of its ranges. Returns its sensortime."""
     wx, wy, wz, fx, fy, fz = scaled(raw, scale[0], scale[1])
-    sample[DT] = seconds_between(before, now)
     sample[OMEGA] = wx
     sample[OMEGA + 1] = wy
     sample[OMEGA + 2] = wz
     sample[FORCE] = fx
     sample[FORCE + 1] = fy
     sample[FORCE + 2] = fz
-    return now
+    return sensortime(raw)

@@ -226,11 +226,12 @@ def test_conversion_against_float64(counts, before, passed, ranges):
     gyro_range, accel_range = ranges
     out = np.zeros(sample.SAMPLE_SIZE, np.float32)
     now = (before + passed) % 2**24
-    assert sample.convert(burst(counts, now), sample.scales(gyro_range, accel_range), before, out) == now
+    assert sample.convert(burst(counts, now), sample.scales(gyro_range, accel_range), out) == now
+    assert sample.nanoseconds_between(before, now) == passed * 390625 // 10
     # full scale is 32768 counts for the accelerometer, 32800 for the gyroscope (16.4 LSB per °/s)
     rate = math.radians(gyro_range) / 32800.0
     force = accel_range * 9.80665 / 32768.0
-    expected = [passed * 39.0625e-6] + [c * rate for c in counts[:3]] + [c * force for c in counts[3:]]
+    expected = [c * rate for c in counts[:3]] + [c * force for c in counts[3:]]
     assert out == pytest.approx(expected, rel=2e-7, abs=0)
 
 
@@ -272,11 +273,11 @@ def test_samples_through_register_model(config):
     bench.cpu.delay(50_000_000)
     out = np.zeros(sample.SAMPLE_SIZE, np.float32)
     bench.driver.read()
-    before = sample.convert(bench.driver.raw, config.scales(), 0, out)
+    before = sample.convert(bench.driver.raw, config.scales(), out)
     bench.cpu.delay(10_000_000)
     bench.driver.read()
-    sample.convert(bench.driver.raw, config.scales(), before, out)
-    assert out[sample.DT] == pytest.approx(0.01, abs=1e-3)
+    now = sample.convert(bench.driver.raw, config.scales(), out)
+    assert sample.nanoseconds_between(before, now) == pytest.approx(10_000_000, abs=100_000)
     half = [0.51 * float(unit) for unit in config.scales()]
     assert out[sample.OMEGA : sample.OMEGA + 3] == pytest.approx([0, 0, math.radians(10)], abs=half[0])
     assert out[sample.FORCE : sample.FORCE + 3] == pytest.approx([0, 0, 9.80665], abs=half[1])
