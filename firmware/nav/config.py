@@ -40,20 +40,28 @@ class NavConfig:
     two_sample: bool = True
     """Instantaneous samples with coning and sculling; False: means over the period, one-sample algorithm."""
     covariance_period: float = 0.1
-    angle_random_walk: float = 0.008 / math.sqrt(2.0) * DEG
+    angle_random_walk: float = 2.0e-4
     """rad/√s."""
     velocity_random_walk: float = 250e-6 / math.sqrt(2.0) * G
     """m/s/√s."""
     accel_bias_sigma: float = 0.045 * G
     gyro_bias_walk: float = 3.0e-6
-    """rad/s/√s."""
-    accel_bias_walk: float = 5.0e-5
+    """rad/s/√s; instability and warming up."""
+    accel_bias_walk: float = 2.0e-4
     """m/s²/√s."""
+    gyro_drift_sigma: float = 4.0e-6
+    """rad/s²: 0.05 °/s/K while the sensor warms by 5 K in 15 minutes …"""
+    gyro_drift_time: float = 900.0
+    """… its decay …"""
+    gyro_drift_walk: float = 6.0e-8
+    """… and what else changes it, rad/s²/√s."""
+    position_walk: float = 0.1
+    """m/√s: what the velocity solution leaves out, so that position keeps following GNSS."""
     misalignment_sigma: float = 0.25 * DEG
     scale_sigma: float = 0.006
-    manoeuvre_noise: float = 0.007
+    manoeuvre_noise: float = 0.003
     """Share of the horizontal acceleration that scale and misalignment of the accelerometers make wrong …"""
-    manoeuvre_time: float = 1.0
+    manoeuvre_time: float = 8.0
     """… for so long at a time."""
     rate_limit: float = 1990.0 * DEG
     """Readings beyond are saturated."""
@@ -245,6 +253,10 @@ def _floats(c: NavConfig) -> dict[int, Any]:
         cfg.HEADING_CHECK_SPEED: c.heading_check_speed,
         cfg.HEADING_ERROR_LIMIT: c.heading_error_limit,
         cfg.UNCERTAIN_SQUARE: c.uncertain_position**2,
+        cfg.POSITION_WALK_VARIANCE: c.position_walk**2,
+        cfg.GYRO_DRIFT_VARIANCE: c.gyro_drift_sigma**2,
+        cfg.PER_GYRO_DRIFT_TIME: 1.0 / c.gyro_drift_time,
+        cfg.GYRO_DRIFT_WALK_VARIANCE: c.gyro_drift_walk**2,
     }
 
 
@@ -275,7 +287,7 @@ def _ns(seconds: float) -> int:
 
 
 _MAY_BE_ZERO = {
-    "latency_sigma", "latency_nominal", "initial_yaw", "gyro_bias_walk", "accel_bias_walk", "manoeuvre_noise",
+    "latency_sigma", "latency_nominal", "initial_yaw", "gyro_bias_walk", "accel_bias_walk", "manoeuvre_noise", "position_walk", "gyro_drift_sigma", "gyro_drift_walk",
     "misalignment_sigma", "scale_sigma", "course_noise", "time_tag_noise", "constraint_turn_noise",
     "rest_gyro_sigma", "epochs_after_time_jump",
 }  # fmt: skip

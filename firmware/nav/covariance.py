@@ -23,21 +23,21 @@ LARGEST = np.float32(1.0e12)
 N = np.int32(at.STATES)
 NX = np.int32(at.DYNAMIC_STATES)
 COLUMNS = np.int32(at.WORK_COLUMNS)
-NOISE_COLUMNS = np.int32(at.WORK_COLUMNS - at.DYNAMIC_STATES)
-FIRST_NOISY = at.X_VELOCITY
+ONE_STEP = np.int32(1)
 
 
 @kernel
 def project(f, row):
-    """Uᵀ hᵀ of measurement row number `row` (layout.ROWS) to layout.PROJECTED."""
+    """Uᵀ hᵀ of measurement row number `row` (layout.ROWS, mostly zeros) to layout.PROJECTED."""
     h = at.ROWS + row * at.STATES
     out = at.PROJECTED + row * at.STATES
     for j in range(N):
-        column = at.U + j * at.STATES
-        total = f[h + j]
-        for k in range(np.int32(j)):
-            total += f[column + k] * f[h + k]
-        f[out + j] = total
+        f[out + j] = f[h + j]
+    for k in range(N):
+        hk = f[h + k]
+        if hk != ZERO:
+            for j in range(k + ONE_STEP, N):
+                f[out + j] += hk * f[at.U + j * at.STATES + k]
 
 
 @kernel
@@ -52,17 +52,21 @@ def projected_product(f, row_a, row_b):
 
 
 @kernel
-def absorb(f, row, residual, variance):
-    """Update by one scalar z = h x + noise; x̂ in layout.CORRECTION moves with it. `variance` > 0.
-
-    `residual` is z as it was before any update; what earlier scalars found is taken off here.
-    """
-    project(f, row)
+def remaining_residual(f, row):
+    """Residual of a row less what the scalars absorbed before it have found."""
     h = at.ROWS + row * at.STATES
-    p = at.PROJECTED + row * at.STATES
+    residual = f[at.RESIDUAL + row]
     for j in range(N):
         residual -= f[h + j] * f[at.CORRECTION + j]
-    alpha = variance
+    return residual
+
+
+@kernel
+def absorb_projected(f, row):
+    """Update by the scalar of `row`, which has just been projected; x̂ in layout.CORRECTION moves with it."""
+    residual = remaining_residual(f, row)
+    p = at.PROJECTED + row * at.STATES
+    alpha = f[at.VARIANCE + row]
     for j in range(N):
         column = at.U + j * at.STATES
         fj = f[p + j]
@@ -86,34 +90,88 @@ def absorb(f, row, residual, variance):
 def retriangularise(f):
     """Bring the first nine rows of U, mapped and no longer triangular, to triangular form again.
 
-    Columns 0 … 8 of layout.WORK hold the mapped U_xx, and layout.WORK_WEIGHT their D; the columns after them
-    are noise: unit vectors of velocity and attitude, weighted by the variance that the caller has set.
+    Columns 0 … 8 of layout.WORK hold the mapped U_xx, and layout.WORK_WEIGHT their D; the nine columns after
+    them are noise: unit vectors, weighted by the variances that the caller has set.
     """
-    for j in range(NOISE_COLUMNS):
+    for j in range(NX):
         column = at.WORK + (at.DYNAMIC_STATES + j) * 9
         for k in range(NX):
             f[column + k] = ZERO
-        f[column + FIRST_NOISY + j] = ONE
+        f[column + j] = ONE
     for back in range(NX):
         k = at.DYNAMIC_STATES - 1 - back
-        for m in range(NX):
-            f[at.WORK_SUM + m] = ZERO
-        for j in range(COLUMNS):
-            column = at.WORK + j * 9
-            weighted = f[at.WORK_WEIGHT + j] * f[column + k]
-            for m in range(NX):
-                f[at.WORK_SUM + m] += weighted * f[column + m]
+        _weigh_columns(f, k)
         d = f[at.WORK_SUM + k]
         f[at.D + k] = d
         scale = ONE / d if d > ZERO else ZERO
+        for m in range(NX):
+            f[at.WORK_SUM + m] = scale * f[at.WORK_SUM + m] if m < k else ZERO
         for m in range(np.int32(k)):
-            f[at.WORK_SUM + m] *= scale
             f[at.U + k * at.STATES + m] = f[at.WORK_SUM + m]
-        for j in range(COLUMNS):
-            column = at.WORK + j * 9
-            w = f[column + k]
-            for m in range(np.int32(k)):
-                f[column + m] -= f[at.WORK_SUM + m] * w
+        _subtract_row(f, k)
+
+
+@kernel
+def _weigh_columns(f, k):
+    """Σ over the columns of weight · W[k] · W[0 … 8] to layout.WORK_SUM, nine sums in registers."""
+    s0 = ZERO
+    s1 = ZERO
+    s2 = ZERO
+    s3 = ZERO
+    s4 = ZERO
+    s5 = ZERO
+    s6 = ZERO
+    s7 = ZERO
+    s8 = ZERO
+    for j in range(COLUMNS):
+        if j < NX or j >= k + at.DYNAMIC_STATES:  # the unit vectors before have nothing in row k yet
+            c = at.WORK + j * 9
+            w = f[at.WORK_WEIGHT + j] * f[c + k]
+            s0 += w * f[c]
+            s1 += w * f[c + 1]
+            s2 += w * f[c + 2]
+            s3 += w * f[c + 3]
+            s4 += w * f[c + 4]
+            s5 += w * f[c + 5]
+            s6 += w * f[c + 6]
+            s7 += w * f[c + 7]
+            s8 += w * f[c + 8]
+    f[at.WORK_SUM] = s0
+    f[at.WORK_SUM + 1] = s1
+    f[at.WORK_SUM + 2] = s2
+    f[at.WORK_SUM + 3] = s3
+    f[at.WORK_SUM + 4] = s4
+    f[at.WORK_SUM + 5] = s5
+    f[at.WORK_SUM + 6] = s6
+    f[at.WORK_SUM + 7] = s7
+    f[at.WORK_SUM + 8] = s8
+
+
+@kernel
+def _subtract_row(f, k):
+    """Take the part along row k, layout.WORK_SUM, off every row above it."""
+    u0 = f[at.WORK_SUM]
+    u1 = f[at.WORK_SUM + 1]
+    u2 = f[at.WORK_SUM + 2]
+    u3 = f[at.WORK_SUM + 3]
+    u4 = f[at.WORK_SUM + 4]
+    u5 = f[at.WORK_SUM + 5]
+    u6 = f[at.WORK_SUM + 6]
+    u7 = f[at.WORK_SUM + 7]
+    u8 = f[at.WORK_SUM + 8]
+    for j in range(COLUMNS):
+        if j < NX or j >= k + at.DYNAMIC_STATES:
+            c = at.WORK + j * 9
+            w = f[c + k]
+            f[c] -= u0 * w
+            f[c + 1] -= u1 * w
+            f[c + 2] -= u2 * w
+            f[c + 3] -= u3 * w
+            f[c + 4] -= u4 * w
+            f[c + 5] -= u5 * w
+            f[c + 6] -= u6 * w
+            f[c + 7] -= u7 * w
+            f[c + 8] -= u8 * w
 
 
 @kernel

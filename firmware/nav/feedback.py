@@ -81,6 +81,6 @@ def _turn_attitude_error(f, x, y, z):
         f[w + 6] = a - (y * c - z * b)
         f[w + 7] = b - (z * a - x * c)
         f[w + 8] = c - (x * b - y * a)
-    for j in range(np.int32(at.WORK_COLUMNS - at.DYNAMIC_STATES)):
+    for j in range(np.int32(at.DYNAMIC_STATES)):
         f[at.WORK_WEIGHT + at.DYNAMIC_STATES + j] = ZERO
     retriangularise(f)

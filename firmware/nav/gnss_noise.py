@@ -14,6 +14,7 @@ from firmware.numerics.dialect import kernel
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
+THIRD = np.float32(1.0 / 3.0)
 ONE = np.float32(1.0)
 MILLI = np.float32(1.0e-3)
 CENTI = np.float32(1.0e-2)
@@ -57,8 +58,8 @@ def _speed_square(f):
 
 @kernel
 def speed_variance(f, e):
-    """Of each axis of a velocity, and of speed over ground, (m/s)²."""
+    """Of each axis of a velocity, and of speed over ground, (m/s)²; the claim is of the whole vector."""
     variance = f[cfg.GNSS_VELOCITY_VARIANCE]
     if e[gnss.FLAGS] & gnss.HAS_ACCURACY:
-        variance = max(variance, _square_mm(e[gnss.S_ACC_MMPS]))
+        variance = max(variance, THIRD * _square_mm(e[gnss.S_ACC_MMPS]))
     return variance

@@ -68,9 +68,11 @@ def imu_step(f, i, t_ns, dt, wx, wy, wz, ax, ay, az):
         gx -= f[at.GYRO_BIAS] + f[at.YAW_RESPONSE] * gz
         gy -= f[at.GYRO_BIAS + 1] + f[at.YAW_RESPONSE + 1] * gz
         gz -= f[at.GYRO_BIAS + 2] + f[at.YAW_RESPONSE + 2] * gz
-        hx -= f[at.ACCEL_BIAS]
-        hy -= f[at.ACCEL_BIAS + 1]
-        hz -= f[at.ACCEL_BIAS + 2]
+        r = at.FORCE_RESPONSE
+        kx = hx
+        hx -= f[at.ACCEL_BIAS] + f[r] * kx + f[r + 3] * hy
+        hz -= f[at.ACCEL_BIAS + 2] + f[r + 2] * kx + f[r + 5] * hy
+        hy -= f[at.ACCEL_BIAS + 1] + f[r + 1] * kx + f[r + 4] * hy
         if dt > ZERO:
             _advance(f, i, dt, gx, gy, gz, hx, hy, hz)
         f[at.OMEGA_B] = gx
@@ -80,7 +82,7 @@ def imu_step(f, i, t_ns, dt, wx, wy, wz, ax, ay, az):
         f[at.FORCE_B + 1] = hy
         f[at.FORCE_B + 2] = hz
         if dt > ZERO:
-            _follow_up(f, i, dt, gz)
+            _follow_up(f, i, dt)
     if closed:
         quiet = close_window(f, i)
         if i[at.MODE] != NAVIGATING:
@@ -133,7 +135,7 @@ def _advance(f, i, dt, wx, wy, wz, ax, ay, az):
 
 
 @kernel
-def _follow_up(f, i, dt, yaw_rate):
+def _follow_up(f, i, dt):
     """What the new state brings about."""
     if not state_is_sound(f):
         restart(f, i)
@@ -142,7 +144,9 @@ def _follow_up(f, i, dt, yaw_rate):
     if i[at.MODE] != NAVIGATING:
         return
     f[at.SINCE_TIME] += dt
-    f[at.SINCE_YAW_ANGLE] += dt * yaw_rate
+    f[at.SINCE_YAW_ANGLE] += dt * f[at.OMEGA_B + 2]
+    f[at.SINCE_FORCE] += dt * f[at.FORCE_B]
+    f[at.SINCE_FORCE + 1] += dt * f[at.FORCE_B + 1]
     if not f[at.SINCE_TIME] < f[cfg.COVARIANCE_PERIOD]:
         predict(f)
         if not is_sound(f):

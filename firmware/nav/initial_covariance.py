@@ -37,8 +37,13 @@ def begin_covariance(f, e, age, tilt_variance, yaw_variance, gyro_variance):
         f[at.D + at.X_ACCEL_BIAS + k] = f[cfg.ACCEL_BIAS_VARIANCE]
         correlated = f[cfg.POSITION_ERROR_VARIANCE_V] if k == 2 else f[cfg.POSITION_ERROR_VARIANCE_H]
         f[at.D + at.X_GNSS_ERROR + k] = correlated
+        f[at.D + at.X_GYRO_DRIFT + k] = f[cfg.GYRO_DRIFT_VARIANCE]
         response = f[cfg.SCALE_VARIANCE] if k == 2 else f[cfg.MISALIGNMENT_VARIANCE]
         f[at.D + at.X_YAW_RESPONSE + k] = response
+        response = f[cfg.SCALE_VARIANCE] if k == 0 else f[cfg.MISALIGNMENT_VARIANCE]
+        f[at.D + at.X_FORCE_RESPONSE + k] = response
+        response = f[cfg.SCALE_VARIANCE] if k == 1 else f[cfg.MISALIGNMENT_VARIANCE]
+        f[at.D + at.X_FORCE_RESPONSE + 3 + k] = response
     f[at.D + at.X_MOUNTING] = f[cfg.MOUNTING_VARIANCE]
     f[at.D + at.X_MOUNTING + 1] = f[cfg.MOUNTING_VARIANCE]
     f[at.D + at.X_LATENCY] = f[cfg.LATENCY_VARIANCE]

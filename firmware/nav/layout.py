@@ -5,17 +5,21 @@ copy of both is a complete snapshot. Vectors take 3 places, matrices are row by 
 first. Axes: n = north-east-down, b = the body axes of the board description (front, right, down),
 s = the sensor's own axes, v = the vehicle's.
 
-Error state (24), each the truth minus the estimate, in this order:
+Error state (33), each the truth minus the estimate, in this order:
 
     0  δr      position, m, NED            15  GNSS position error, m, NED (first-order Gauss-Markov)
     3  δv      velocity, m/s, NED          18  mounting yaw, pitch of the vehicle in body axes, rad
     6  φ       attitude, rad, NED          20  GNSS latency beyond what the time tag allows for, s
-    9  δb_g    gyro bias, rad/s, body      21  gyro x, y, z response to the yaw rate: misalignment of x
-    12 δb_a    accelerometer bias, m/s²        and y, scale factor of z
+    9  δb_g    gyro bias, rad/s, body      21  response of gyros x, y, z to the yaw rate
+    12 δb_a    accelerometer bias, m/s²    24  response of accelerometers x, y, z to f_x, 27 to f_y
+                                           30  drift of the gyro bias (warming up), rad/s²
+
+A response is what a sensor shows per unit of the quantity beyond what it should: a scale factor error on its
+own axis, a misalignment on the others. Those to f_z, which is gravity, are part of the biases.
 """
 
 # --- error state ---
-STATES = 24
+STATES = 33
 DYNAMIC_STATES = 9
 X_POSITION = 0
 X_VELOCITY = 3
@@ -26,6 +30,8 @@ X_GNSS_ERROR = 15
 X_MOUNTING = 18
 X_LATENCY = 20
 X_YAW_RESPONSE = 21
+X_FORCE_RESPONSE = 24
+X_GYRO_DRIFT = 30
 
 # --- f: estimate ---
 QUATERNION = 0
@@ -34,55 +40,59 @@ HEIGHT = 7
 """m above the ellipsoid; HEIGHT_REST is what one float32 cannot hold of it."""
 HEIGHT_REST = 8
 GYRO_BIAS = 9
-"""From here 15 parameters, in the order of the error state."""
+"""From here 24 parameters, in the order of the error state."""
 ACCEL_BIAS = 12
 GNSS_ERROR = 15
 MOUNTING = 18
 LATENCY = 20
 YAW_RESPONSE = 21
-PARAMETERS = 15
+FORCE_RESPONSE = 24
+GYRO_DRIFT = 30
+PARAMETERS = 24
 
-C_N_B = 24
+C_N_B = 33
 """Direction cosines of QUATERNION."""
-OMEGA_B = 33
+OMEGA_B = 42
 """Last compensated rate ω_ib, rad/s."""
-FORCE_B = 36
+FORCE_B = 45
 """Last compensated specific force, m/s²."""
-DELTA_ANGLE = 39
+DELTA_ANGLE = 48
 """Angle increment of the last step, rad, and velocity increment, m/s: the first of the two samples."""
-DELTA_VELOCITY = 42
-RAW = 45
+DELTA_VELOCITY = 51
+RAW = 54
 """Last sample as it came (6), in sensor axes: for stuck sensors."""
 
 # --- f: the Earth at the present place (refreshed with the covariance) ---
-EARTH_RATE_N = 51
-EARTH_RATE_D = 52
-PER_MERIDIAN_RADIUS = 53
+EARTH_RATE_N = 60
+EARTH_RATE_D = 61
+PER_MERIDIAN_RADIUS = 62
 """1 / (R_M + h)."""
-PER_NORMAL_RADIUS = 54
+PER_NORMAL_RADIUS = 63
 """1 / (R_N + h)."""
-TAN_LATITUDE = 55
-PER_COS_LATITUDE = 56
-GRAVITY = 57
-MERIDIAN_RADIUS = 58
-PARALLEL_RADIUS = 59
+TAN_LATITUDE = 64
+PER_COS_LATITUDE = 65
+GRAVITY = 66
+MERIDIAN_RADIUS = 67
+PARALLEL_RADIUS = 68
 """(R_N + h) cos φ."""
 
 # --- f: since the covariance was last propagated ---
-SINCE_TIME = 60
-SINCE_VELOCITY = 61
-SINCE_YAW_ANGLE = 64
-SINCE_C_N_B = 65
-PARAMETER_TIME = 74
+SINCE_TIME = 69
+SINCE_VELOCITY = 70
+SINCE_YAW_ANGLE = 73
+"""∫ω_z dt, then ∫f_x dt and ∫f_y dt."""
+SINCE_FORCE = 74
+SINCE_C_N_B = 76
+PARAMETER_TIME = 85
 """s since process noise was last added to the parameters."""
-LOST_ANGLE = 75
+LOST_ANGLE = 86
 """Extra variances of dead time: attitude rad², velocity (m/s)², position m²."""
-LOST_VELOCITY = 76
-LOST_POSITION = 77
+LOST_VELOCITY = 87
+LOST_POSITION = 88
 
 # --- f: covariance P = U D Uᵀ ---
-U = 80
-"""Unit upper triangular, column by column: U[k, j] at U + 24 j + k; the ones are not stored."""
+U = 90
+"""Unit upper triangular, column by column: U[k, j] at U + 33 j + k; the ones are not stored."""
 D = U + STATES * STATES
 ROWS = D + STATES
 """Measurement rows H of up to six scalars."""
@@ -97,12 +107,12 @@ VARIANCE = RESIDUAL + ROW_LIMIT
 INNOVATION_SIGMA = VARIANCE + ROW_LIMIT
 TRIANGLE = INNOVATION_SIGMA + ROW_LIMIT
 """3 x 3 innovation covariance of the group under test, then its weighted residual."""
-WORK_COLUMNS = 15
+WORK_COLUMNS = 18
 WORK = TRIANGLE + 12
 """Columns of 9 for the retriangularisation."""
 WORK_WEIGHT = WORK + 9 * WORK_COLUMNS
 WORK_SUM = WORK_WEIGHT + WORK_COLUMNS
-LAST_INNOVATION = WORK_SUM + 9
+LAST_INNOVATION = WORK_SUM + WORK_COLUMNS
 """Of the last GNSS epoch: position NED m, velocity m/s (NED, or along and across the course, 0)."""
 LAST_INNOVATION_SIGMA = LAST_INNOVATION + 6
 
@@ -150,7 +160,7 @@ GOOD_HEIGHT = GNSS_FIX + 7
 
 # --- f: configuration (see NavConfig) ---
 CONFIG = GOOD_HEIGHT + 1
-F_SIZE = CONFIG + 80
+F_SIZE = CONFIG + 84
 
 # --- i ---
 TIME = 0

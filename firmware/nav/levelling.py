@@ -16,6 +16,7 @@ import numpy as np
 
 from firmware.nav import layout as at
 from firmware.nav import tuning as cfg
+from firmware.nav.beginning import clear_parameters
 from firmware.nav.earth import stand_on_plane
 from firmware.nav.flags import LEVELLING, WAITING_FOR_HEADING
 from firmware.nav.history import clear_history, remember
@@ -108,12 +109,11 @@ def _is_rest(f, i):
 
 @kernel
 def _level(f, i, count):
+    clear_parameters(f)
     for k in range(THREE):
         rate = f[at.LEVEL_SUM + k] / count
         f[at.GYRO_BIAS + k] = rate
         f[at.REST_RATE + k] = rate
-        f[at.ACCEL_BIAS + k] = ZERO
-        f[at.YAW_RESPONSE + k] = ZERO
         f[at.VELOCITY + k] = ZERO
     x = f[at.LEVEL_SUM + 3] / count
     y = f[at.LEVEL_SUM + 4] / count

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from firmware.nav import layout as at
-from firmware.nav.covariance import absorb, project, projected_product
+from firmware.nav.covariance import absorb_projected, project, projected_product, remaining_residual
 from firmware.numerics.dialect import kernel
 
 ZERO = np.float32(0.0)
@@ -59,5 +59,17 @@ def weigh_group(f, first, count):
 def absorb_group(f, first, count):
     """Update by the rows one after the other; the estimated error gathers in layout.CORRECTION."""
     for a in range(np.int32(count)):
-        row = first + a
-        absorb(f, row, f[at.RESIDUAL + row], f[at.VARIANCE + row])
+        project(f, first + a)
+        absorb_projected(f, first + a)
+
+
+@kernel
+def absorb_if_plausible(f, row, gate):
+    """Update by one scalar if its innovation, given those absorbed before, passes the gate; whether it did."""
+    project(f, row)
+    s = projected_product(f, row, row) + f[at.VARIANCE + row]
+    residual = remaining_residual(f, row)
+    if not residual * residual <= gate * s:
+        return False
+    absorb_projected(f, row)
+    return True

@@ -3,17 +3,19 @@
 Error model (n frame, truth minus estimate; C_n_b_true = (I + [φ×]) C_n_b):
 
     δr' = δv
-    δv' = −f_n × φ − C_n_b δb_a
-    φ'  = −ω_in × φ − C_n_b (δb_g + ω_z δs)          s: response of the three gyros to the yaw rate
+    δv' = −f_n × φ − C_n_b (δb_a + f_x δr_x + f_y δr_y)
+    φ'  = −ω_in × φ − C_n_b (δb_g + ω_z δs)
 
-over the interval T, with ∫f_n dt = Δv − g T from the velocities at its ends (exact, whatever the motion
-between), the mean C_n_b of its ends, ∫ω_z dt summed, and the trapezoid for what each row feeds to the next.
+(s, r: responses, layout) over the interval T, with ∫f_n dt = Δv − g T from the velocities at its ends (exact,
+whatever the motion between), the mean C_n_b of its ends, ∫ω_z dt, ∫f_x dt and ∫f_y dt summed, and the
+trapezoid for what each row feeds to the next.
 Left out, because below 1e-6 of what MEMS sensors do: Coriolis and transport terms in δv and δr, gravity
 gradient, and the error of the transport rate. Groves, Principles of GNSS, Inertial, and Multisensor
 Integrated Navigation Systems, 2nd ed., section 14.2.4.
 
-Parameters: biases and yaw response walk; the correlated GNSS error is a first-order Gauss-Markov process.
-Their noise is added once a second, a sum of rank-one terms.
+Parameters: biases walk, the gyro bias also drifts while the sensor warms up, at a rate that decays; the
+correlated GNSS error is a first-order Gauss-Markov process; the responses are constant. This is done once a second: the drift adds its
+rows of U to those of the bias (U stays triangular), the noise is a sum of rank-one terms.
 """
 
 import numpy as np
@@ -38,8 +40,8 @@ SIX = np.int32(6)
 def begin_interval(f):
     """The next prediction starts from the present state."""
     f[at.SINCE_TIME] = ZERO
-    f[at.SINCE_YAW_ANGLE] = ZERO
     for k in range(THREE):
+        f[at.SINCE_YAW_ANGLE + k] = ZERO
         f[at.SINCE_VELOCITY + k] = f[at.VELOCITY + k]
     for k in range(np.int32(9)):
         f[at.SINCE_C_N_B + k] = f[at.C_N_B + k]
@@ -56,9 +58,6 @@ def predict(f):
         _map_columns(f, t)
         _set_noise(f, t)
         retriangularise(f)
-        if f[at.LOST_POSITION] > ZERO:
-            for k in range(THREE):
-                add_variance(f, at.X_POSITION + k, f[at.LOST_POSITION])
         f[at.PARAMETER_TIME] += t
         begin_interval(f)
     if f[at.PARAMETER_TIME] > PARAMETER_PERIOD:
@@ -103,9 +102,9 @@ def _map_columns(f, t):
             ax -= c00 * gx + c01 * gy + c02 * gz
             ay -= c10 * gx + c11 * gy + c12 * gz
             az -= c20 * gx + c21 * gy + c22 * gz
-            dx = t * _entry(f, j, at.X_ACCEL_BIAS)
-            dy = t * _entry(f, j, at.X_ACCEL_BIAS + 1)
-            dz = t * _entry(f, j, at.X_ACCEL_BIAS + 2)
+            dx = t * _entry(f, j, at.X_ACCEL_BIAS) + _force_entries(f, j, at.X_FORCE_RESPONSE)
+            dy = t * _entry(f, j, at.X_ACCEL_BIAS + 1) + _force_entries(f, j, at.X_FORCE_RESPONSE + 1)
+            dz = t * _entry(f, j, at.X_ACCEL_BIAS + 2) + _force_entries(f, j, at.X_FORCE_RESPONSE + 2)
             bx = c00 * dx + c01 * dy + c02 * dz
             by = c10 * dx + c11 * dy + c12 * dz
             bz = c20 * dx + c21 * dy + c22 * dz
@@ -138,6 +137,12 @@ def _entry(f, column, row):
 
 
 @kernel
+def _force_entries(f, column, row):
+    """∫f_x dt and ∫f_y dt times the entries of their responses."""
+    return f[at.SINCE_FORCE] * _entry(f, column, row) + f[at.SINCE_FORCE + 1] * _entry(f, column, row + 3)
+
+
+@kernel
 def _mean_attitude(f):
     return (
         HALF * (f[at.SINCE_C_N_B] + f[at.C_N_B]),
@@ -154,28 +159,40 @@ def _mean_attitude(f):
 
 @kernel
 def _set_noise(f, t):
-    """Variances that velocity and attitude gain over the interval."""
+    """Variances that position, velocity and attitude gain over the interval."""
     ax = f[at.VELOCITY] - f[at.SINCE_VELOCITY]
     ay = f[at.VELOCITY + 1] - f[at.SINCE_VELOCITY + 1]
     manoeuvre = (ax * ax + ay * ay) * f[cfg.MANOEUVRE_VARIANCE] / t
     velocity = f[cfg.VELOCITY_WALK_VARIANCE] * t + manoeuvre + f[at.LOST_VELOCITY]
     attitude = f[cfg.ANGLE_WALK_VARIANCE] * t + f[at.LOST_ANGLE]
+    position = f[cfg.POSITION_WALK_VARIANCE] * t + f[at.LOST_POSITION]
     for k in range(THREE):
-        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + k] = velocity
-        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + 3 + k] = attitude
+        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + k] = position
+        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + 3 + k] = velocity
+        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + 6 + k] = attitude
 
 
 @kernel
 def _walk_parameters(f, t):
-    """Process noise of the parameters over t; the GNSS error decays towards zero."""
-    decay = max(ONE - t * f[cfg.PER_POSITION_ERROR_TIME], LEAST_DECAY)
-    grown = ONE - decay * decay
+    """What the parameters do over t, and their process noise."""
     for k in range(THREE):
-        state = at.X_GNSS_ERROR + k
-        scale_state(f, state, decay)
-        f[at.GNSS_ERROR + k] *= decay
+        f[at.GYRO_BIAS + k] += t * f[at.GYRO_DRIFT + k]
+        for j in range(np.int32(at.X_GYRO_DRIFT), N):
+            f[at.U + j * at.STATES + at.X_GYRO_BIAS + k] += t * _entry(f, j, at.X_GYRO_DRIFT + k)
+    for k in range(THREE):
         variance = f[cfg.POSITION_ERROR_VARIANCE_H] if k < 2 else f[cfg.POSITION_ERROR_VARIANCE_V]
-        add_variance(f, state, grown * variance)
-    for k in range(THREE):
+        factor = _decay(f, at.X_GNSS_ERROR + k, t * f[cfg.PER_POSITION_ERROR_TIME])
+        add_variance(f, at.X_GNSS_ERROR + k, (ONE - factor * factor) * variance)
+        _decay(f, at.X_GYRO_DRIFT + k, t * f[cfg.PER_GYRO_DRIFT_TIME])
+        add_variance(f, at.X_GYRO_DRIFT + k, t * f[cfg.GYRO_DRIFT_WALK_VARIANCE])
         add_variance(f, at.X_GYRO_BIAS + k, t * f[cfg.GYRO_BIAS_WALK_VARIANCE])
         add_variance(f, at.X_ACCEL_BIAS + k, t * f[cfg.ACCEL_BIAS_WALK_VARIANCE])
+
+
+@kernel
+def _decay(f, state, share):
+    """Exponential decay of a parameter over `share` of its time constant; the factor."""
+    factor = max(ONE - share, LEAST_DECAY)
+    scale_state(f, state, factor)
+    f[at.GYRO_BIAS + state - at.X_GYRO_BIAS] *= factor
+    return factor

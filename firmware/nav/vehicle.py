@@ -16,14 +16,13 @@ from firmware.nav import layout as at
 from firmware.nav import tuning as cfg
 from firmware.nav.feedback import clear_correction, correction_is_sound, feed_back
 from firmware.nav.flags import CONSTRAINED, report
-from firmware.nav.measurement import absorb_group, clear_rows, weigh_group
+from firmware.nav.measurement import absorb_if_plausible, clear_rows
 from firmware.nav.prediction import predict
 from firmware.numerics.dialect import kernel
 from firmware.numerics.trigonometry import sine_cosine
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
-THREE = np.int32(3)
 
 
 @kernel
@@ -74,12 +73,8 @@ def constrain(f, i):
     f[at.ROWS + at.STATES + at.X_MOUNTING + 1] = cb * forward - sb * uz
     f[at.RESIDUAL + 1] = -(sb * forward + cb * uz)
     f[at.VARIANCE + 1] = variance
-    side = weigh_group(f, 0, 1) <= f[cfg.GATE_1]
-    vertical = weigh_group(f, 1, 1) <= f[cfg.GATE_1]
-    if side:
-        absorb_group(f, 0, 1)
-    if vertical:
-        absorb_group(f, 1, 1)
+    side = absorb_if_plausible(f, 0, f[cfg.GATE_1])
+    vertical = absorb_if_plausible(f, 1, f[cfg.GATE_1])
     if (side or vertical) and correction_is_sound(f):
         feed_back(f, i)
         report(i, CONSTRAINED)
