@@ -1,0 +1,197 @@
+"""NMEA 0183 sentences of the board's own solution: GGA, RMC, VTG, HDT, PASHR (layouts: receiver fact sheet
+sections 2 and 6), talker IN (integrated navigation).
+
+Everything is formatted from integers, so that nothing is ever printed as 60.000000 minutes or −0.0. Minutes
+have six decimals (1.9 mm); no sentence exceeds 82 characters.
+
+    quality 1, mode A    navigating with GNSS
+    quality 6, mode E    navigating, GNSS lost: dead reckoning
+    quality 0, mode N    not navigating: positions and motion are empty
+"""
+
+from __future__ import annotations
+
+from enum import Enum
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware.numerics.dialect import kernel
+
+LONGEST: Final = 82
+MILLIKNOTS_PER_463: Final = 900
+"""A knot is 463/900 m/s."""
+
+
+class Validity(Enum):
+    """How much the solution is worth; the value is (GGA quality, mode letter, RMC status)."""
+
+    NONE = (0, "N", "V")
+    GNSS = (1, "A", "A")
+    DEAD_RECKONING = (6, "E", "A")
+
+
+class OwnFix(NamedTuple):
+    """The solution in integers; None: not known, printed as an empty field."""
+
+    validity: Validity
+    time_of_day_ms: int | None
+    date_days: int | None
+    """Days since 1980-01-06."""
+    lat_nanodeg: int
+    lon_nanodeg: int
+    height_mm: int
+    """Above the ellipsoid."""
+    separation_mm: int | None
+    """Geoid above the ellipsoid."""
+    speed_mmps: int
+    course_centideg: int | None
+    """None when too slow to have one."""
+    heading_centideg: int
+    roll_centideg: int
+    pitch_centideg: int
+    roll_sigma_mdeg: int
+    pitch_sigma_mdeg: int
+    heading_sigma_mdeg: int
+    satellites: int
+    hdop_centi: int
+
+
+@kernel("int32(uint8[::1], int32)")
+def exclusive_or(data, count):
+    """XOR of the first `count` bytes."""
+    check = np.int32(0)
+    for i in range(count):
+        check = np.int32(check ^ np.int32(data[i]))
+    return check
+
+
+class NmeaWriter:
+    """Prints sentences."""
+
+    def __init__(self, talker: str = "IN") -> None:
+        if len(talker) != 2 or not talker.isascii() or not talker.isupper():
+            raise ValueError(f"NMEA talker is {talker!r}; it must be two capital letters, e.g. 'IN'")
+        self._talker = talker
+        self._buffer = bytearray(LONGEST)
+        self._bytes: NDArray[np.uint8] = np.frombuffer(self._buffer, np.uint8)
+
+    def seal(self, body: str) -> bytes:
+        """`$`, body, `*`, checksum, CR LF."""
+        text = body.encode("ascii")
+        count = len(text)
+        self._buffer[:count] = text
+        return b"$%b*%02X\r\n" % (text, exclusive_or(self._bytes, count))
+
+    def gga(self, fix: OwnFix) -> bytes:
+        """Position, quality and height; the height is empty while the geoid separation is not known."""
+        quality = fix.validity.value[0]
+        if not quality:
+            return self.seal(f"{self._talker}GGA,{_time(fix)},,,,,0,{fix.satellites:02d},99.99,,,,,,")
+        hdop = min(fix.hdop_centi, 9999)
+        altitude, separation = "", ""
+        if fix.separation_mm is not None:
+            altitude = _tenths(fix.height_mm - fix.separation_mm, 100)
+            separation = _tenths(fix.separation_mm, 100)
+        return self.seal(
+            f"{self._talker}GGA,{_time(fix)},{_position(fix)},{quality},{min(fix.satellites, 99):02d},"
+            f"{hdop // 100}.{hdop % 100:02d},{altitude},M,{separation},M,,"
+        )
+
+    def rmc(self, fix: OwnFix) -> bytes:
+        """Position, motion and date."""
+        quality, mode, status = fix.validity.value
+        position = _position(fix) if quality else ",,,"
+        speed = _knots(fix.speed_mmps) if quality else ""
+        return self.seal(
+            f"{self._talker}RMC,{_time(fix)},{status},{position},{speed},{_course(fix)},{_date(fix)},,,{mode}"
+        )
+
+    def vtg(self, fix: OwnFix) -> bytes:
+        """Motion over ground."""
+        quality, mode, _ = fix.validity.value
+        if not quality:
+            return self.seal(f"{self._talker}VTG,,T,,M,,N,,K,{mode}")
+        metric = (fix.speed_mmps * 36 + 5) // 10
+        return self.seal(
+            f"{self._talker}VTG,{_course(fix)},T,,M,{_knots(fix.speed_mmps)},N,"
+            f"{metric // 1000}.{metric % 1000:03d},K,{mode}"
+        )
+
+    def hdt(self, fix: OwnFix) -> bytes:
+        """True heading."""
+        heading = _hundredths(fix.heading_centideg % 36000) if fix.validity.value[0] else ""
+        return self.seal(f"{self._talker}HDT,{heading},T")
+
+    def pashr(self, fix: OwnFix) -> bytes:
+        """Time, heading, roll, pitch and their sigmas; roll right side down, pitch nose up positive."""
+        quality = fix.validity.value[0]
+        if not quality:
+            return self.seal(f"PASHR,{_time(fix)},,T,,,,,,,0,1")
+        sigmas = (fix.roll_sigma_mdeg, fix.pitch_sigma_mdeg, fix.heading_sigma_mdeg)
+        printed = ",".join(f"{min(s, 99999) // 1000}.{min(s, 99999) % 1000:03d}" for s in sigmas)
+        return self.seal(
+            f"PASHR,{_time(fix)},{_hundredths(fix.heading_centideg % 36000)},T,"
+            f"{_signed(fix.roll_centideg)},{_signed(fix.pitch_centideg)},,{printed},{quality},4"
+        )
+
+
+def _time(fix: OwnFix) -> str:
+    if fix.time_of_day_ms is None:
+        return ""
+    seconds, hundredths = divmod(fix.time_of_day_ms // 10, 100)
+    minutes, seconds = divmod(seconds, 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours % 24:02d}{minutes:02d}{seconds:02d}.{hundredths:02d}"
+
+
+def _date(fix: OwnFix) -> str:
+    """ddmmyy, by the calendar that repeats every 4 years from March on (1980 … 2099)."""
+    if fix.date_days is None:
+        return ""
+    # days since 1980-03-01; each cycle of four years ends with a leap day
+    cycle, day = divmod(fix.date_days - 55, 1461)
+    year = min(day // 365, 3)
+    day -= 365 * year
+    month = (5 * day + 2) // 153
+    day -= (153 * month + 2) // 5
+    year += 1980 + 4 * cycle + (month >= 10)
+    return f"{day + 1:02d}{(month + 2) % 12 + 1:02d}{year % 100:02d}"
+
+
+def _angle(nanodeg: int, digits: int) -> str:
+    micro_minutes = (abs(nanodeg) * 60 + 500) // 1000
+    degrees, minutes = divmod(micro_minutes, 60_000_000)
+    return f"{degrees:0{digits}d}{minutes // 1_000_000:02d}.{minutes % 1_000_000:06d}"
+
+
+def _position(fix: OwnFix) -> str:
+    north = "N" if fix.lat_nanodeg >= 0 else "S"
+    east = "E" if fix.lon_nanodeg >= 0 else "W"
+    return f"{_angle(fix.lat_nanodeg, 2)},{north},{_angle(fix.lon_nanodeg, 3)},{east}"
+
+
+def _knots(mmps: int) -> str:
+    millis = (mmps * MILLIKNOTS_PER_463 + 231) // 463
+    return f"{millis // 1000}.{millis % 1000:03d}"
+
+
+def _course(fix: OwnFix) -> str:
+    if fix.course_centideg is None or not fix.validity.value[0]:
+        return ""
+    return _hundredths(fix.course_centideg % 36000)
+
+
+def _hundredths(value: int) -> str:
+    return f"{value // 100}.{value % 100:02d}"
+
+
+def _signed(value: int) -> str:
+    return f"{'-' if value < 0 else '+'}{_hundredths(abs(value))}"
+
+
+def _tenths(value: int, unit: int) -> str:
+    """`value` in tenths of 10·`unit`, rounded; no minus sign before zero."""
+    tenths = (abs(value) + unit // 2) // unit
+    return f"{'-' if value < 0 and tenths else ''}{tenths // 10}.{tenths % 10}"
