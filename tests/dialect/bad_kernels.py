@@ -293,10 +293,18 @@ def wide_loop_of_constant(p):
         p[i] = ZERO
 
 
+# source: 64-bit loop; target: 64-bit loop
+@kernel("void(float32[::1], int32)")
+def wide_loop_of_a_sum(p, n):
+    for i in range(n + n):
+        p[i & 7] = ZERO
+
+
 # target: 64-bit loop
 @kernel("void(float32[::1], int64)")
 def wide_loop_of_variable(p, n):
-    for i in range(n & 7):
+    m = n & 7
+    for i in range(m):
         p[i] = ZERO
 
 

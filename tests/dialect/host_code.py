@@ -54,7 +54,8 @@ def problems_of_all(built: Iterable[Built]) -> Iterator[Problem]:
         for result in one.made.overloads.values():
             for name, kind in result.type_annotation.typemap.items():
                 if isinstance(kind, types.RangeType) and kind.dtype.bitwidth > 32:
-                    yield Problem(one.name, "64-bit loop", f"{_line(result, name)}: range(np.int32(...))")
+                    where = f"{_line(result, name)}: one bound of the range is an int64"
+                    yield Problem(one.name, "64-bit loop", f"{where}; write np.int32(...) around it")
 
 
 def _line(result: Any, variable: str) -> str:

@@ -247,7 +247,7 @@ class _KernelSource:
     def _check_range(self, argument: ast.AST) -> None:
         if isinstance(argument, ast.UnaryOp) and isinstance(argument.op, ast.USub):
             argument = argument.operand
-        is_number = isinstance(argument, ast.Constant)
+        is_number = isinstance(argument, ast.Constant | ast.BinOp)  # numba makes every sum of int32 an int64
         wide_name = isinstance(argument, ast.Name | ast.Attribute) and self._value(argument) is not None
         if is_number or (wide_name and not isinstance(self._value(argument), np.int32)):
             self._report(argument, "64-bit loop", f"range(np.int32({ast.unparse(argument)}))")
