@@ -138,6 +138,24 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
     return dispatcher
 
 
+def entry_point(kernel: F) -> F:
+    """The machine code of a kernel with a signature, compiled now: calls skip numba's dispatch by types,
+    about 0.25 µs each. Interpreted, the kernel itself.
+    """
+    if not hasattr(kernel, "compile_declared"):
+        return kernel
+    kernel.compile_declared()
+    return next(iter(kernel.overloads.values())).entry_point  # type: ignore[attr-defined, no-any-return]
+
+
+def kernels_are_kept() -> bool:
+    """Whether compiled kernels of the present sources lie in the cache (True when nothing is compiled)."""
+    if INTERPRETED:
+        return True
+    folder = _cache_folder("float32", "")
+    return folder is not None and any(folder.rglob("*.nbi"))
+
+
 def compile_once_for_all_literals(dispatcher: Any) -> None:
     """Let calls of a kernel without signature differ by types only.
 

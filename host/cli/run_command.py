@@ -34,7 +34,7 @@ def execute(request: RunRequest, outputs: Outputs) -> int:
     from host.run.runner import run
 
     with progress_bar(f"{request.board} {request.scenario or ''}".strip(), outputs.quiet) as progress:
-        result = run(replace(request, progress=progress))
+        result = run(replace(request, progress=progress, notice=standard_error().print))
     _write(result, outputs)
     console = standard_error() if outputs.json == STANDARD_OUTPUT else standard_output()
     if not outputs.quiet:

@@ -39,6 +39,8 @@ class RunRequest:
     """Folder for capture, solution and report; None: nothing is written."""
     capture: bool = True
     progress: Progress | None = None
+    notice: Callable[[str], None] | None = None
+    """Told in a line what takes long before virtual time begins."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ import numpy as np
 from boards.assembly import AssembledBoard, assemble
 from boards.description import board_folder
 from boards.validation import DescriptionError
+from firmware.numerics.dialect import kernels_are_kept
 from hal.can import CanFrame
 from hal.emulated.virtual_time import SECOND
 from host.record.errors import UserError
@@ -71,6 +72,8 @@ def run(request: RunRequest) -> RunResult:
 def _run(
     request: RunRequest, setup: Setup, world: World, surroundings: Surroundings, recorder: Recorder
 ) -> RunResult:
+    if request.notice is not None and not kernels_are_kept():
+        request.notice("compiling the on-board kernels (first run with these sources, some 15 s) …")
     with _user_errors():
         board = assemble(setup.board, setup.profile, surroundings)
         faults = place_faults(setup.scenario.fault, board, surroundings.sights, request.seed)

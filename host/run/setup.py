@@ -9,7 +9,7 @@ from typing import Any
 from boards.description import Board, board_folder, load_board
 from host.record.errors import UserError, did_you_mean
 from host.record.result import RunRequest
-from host.sim.scenario.load import load_scenario
+from host.sim.scenario.load import load_scenario, merged
 from host.sim.scenario.overrides import apply_overrides
 from host.sim.scenario.schema import Scenario
 
@@ -36,14 +36,17 @@ def resolve(request: RunRequest) -> Setup:
     others = [
         change for change in request.overrides if not change.startswith((BOARD_PREFIX, PROFILE_PREFIX))
     ]
-    board = load_board(request.board, lambda data: apply_overrides(data, board_changes))
+    folder_board = load_board(request.board)
+    scenario = load_scenario(
+        scenario_path(request.board, request.scenario or folder_board.default_scenario), others
+    )
+    board = load_board(
+        request.board, lambda data: apply_overrides(merged(data, scenario.board), board_changes)
+    )
     profile_name = request.profile or board.default_profile
     if profile_name not in board.profiles:
         hint = did_you_mean(profile_name, board.profiles)
         raise UserError(f"--profile {profile_name}: {board.name} has no such profile; {hint}")
-    scenario = load_scenario(
-        scenario_path(request.board, request.scenario or board.default_scenario), others
-    )
     profile = apply_overrides({**board.profiles[profile_name], **scenario.profile}, profile_changes)
     return Setup(board, scenario, profile_name, profile)
 

@@ -82,7 +82,7 @@ class GnssPort:
 
     def _on_epoch(self) -> None:
         navigation = self._navigation
-        navigation.gnss_step(navigation.f, navigation.i, self.epoch)
+        navigation.kernels.gnss_step(navigation.f, navigation.i, self.epoch)
         self._cpu.spend(self._update_cost)
         self.updated()
 

@@ -16,38 +16,48 @@ from firmware.apps.car_mems.sample_clock import CLOCK_SIZE, MISSED, REPEATED, re
 from firmware.apps.car_mems.settings import Settings
 from firmware.apps.car_mems.steps import CLOCK_AT, MEAN_AT, MEAN_SIZE
 from firmware.nav import layout
+from firmware.nav import solution as record
 from firmware.nav.config import NavConfig, configure
 from firmware.nav.flags import MODE_NAMES
+from firmware.numerics.dialect import entry_point
 from firmware.numerics.precision import load
 
 MEAN_SAMPLES = 10
 MEAN_PERIOD = 0.1
 
 
+class NavigationKernels:
+    """The compiled code that navigation calls, in the profile's precision: what is in flash."""
+
+    def __init__(self, precision: str) -> None:
+        steps = load("firmware.apps.car_mems.steps", precision)
+        solution = load("firmware.nav.solution", precision)
+        self.real = np.dtype(precision)
+        self.data_ready_step = entry_point(steps.data_ready_step)
+        self.timer_sample = entry_point(steps.timer_sample)
+        self.gnss_step = entry_point(load("firmware.nav.gnss", precision).gnss_step)
+        self.solution = entry_point(solution.solution)
+        self.covariance = entry_point(solution.covariance)
+        self.innovation = entry_point(solution.innovation)
+        self.biases = entry_point(solution.biases)
+
+
 class Navigation:
     """State and entry points; every method is one kernel call."""
 
-    def __init__(self, settings: Settings, installation: Mapping[str, Any], pulse_wired: bool) -> None:
-        precision = settings.precision
-        real = np.dtype(precision)
+    def __init__(self, kernels: NavigationKernels, config: NavConfig) -> None:
+        real = kernels.real
         self.f: NDArray[Any] = np.zeros(MEAN_AT + MEAN_SIZE, real)
         self.i: NDArray[np.int64] = np.zeros(CLOCK_AT + CLOCK_SIZE, np.int64)
-        configure(self.f, self.i, nav_config(settings, installation, pulse_wired))
+        configure(self.f, self.i, config)
         reset_clock(self.i, CLOCK_AT)
-        steps = load("firmware.apps.car_mems.steps", precision)
-        solution = load("firmware.nav.solution", precision)
-        self.data_ready_step = steps.data_ready_step
-        self.timer_sample = steps.timer_sample
-        self.gnss_step = load("firmware.nav.gnss", precision).gnss_step
-        self._solution = solution.solution
-        self._covariance = solution.covariance
-        self._innovation = solution.innovation
-        self._biases = solution.biases
-        self.floats = np.zeros(solution.SOLUTION_FLOATS, real)
-        self.integers = np.zeros(solution.SOLUTION_INTEGERS, np.int64)
-        self._covariance_out = np.zeros(solution.COVARIANCE_FLOATS, real)
-        self._innovation_out = np.zeros(solution.INNOVATION_FLOATS, real)
-        self._biases_out = np.zeros(solution.BIAS_FLOATS, real)
+        self.kernels = kernels
+        self._solution = kernels.solution
+        self.floats = np.zeros(record.SOLUTION_FLOATS, real)
+        self.integers = np.zeros(record.SOLUTION_INTEGERS, np.int64)
+        self._covariance_out = np.zeros(record.COVARIANCE_FLOATS, real)
+        self._innovation_out = np.zeros(record.INNOVATION_FLOATS, real)
+        self._biases_out = np.zeros(record.BIAS_FLOATS, real)
 
     def fill_solution(self) -> None:
         """Bring `floats` and `integers` up to the present state."""
@@ -55,18 +65,18 @@ class Navigation:
 
     def covariance(self) -> list[float]:
         """Upper triangle of the covariance of [δr, δv, φ], 45 values."""
-        self._covariance(self.f, self._covariance_out)
+        self.kernels.covariance(self.f, self._covariance_out)
         return self._covariance_out.tolist()
 
     def innovation(self) -> tuple[int, int, list[float]]:
         """(time of validity on the board clock in ns, mask of used components, 6 innovations and 6 sigmas)."""
-        self._innovation(self.f, self._innovation_out)
+        self.kernels.innovation(self.f, self._innovation_out)
         i = self.i
         return int(i[layout.INNOVATION_TIME]), int(i[layout.INNOVATION_MASK]), self._innovation_out.tolist()
 
     def biases(self) -> list[float]:
         """b_g, b_a, mounting yaw and pitch, latency, and their sigmas: 18 values."""
-        self._biases(self.f, self._biases_out)
+        self.kernels.biases(self.f, self._biases_out)
         return self._biases_out.tolist()
 
     @property

@@ -15,7 +15,7 @@ import numpy as np
 from firmware.apps.car_mems.acquisition import Acquisition
 from firmware.apps.car_mems.background import Background
 from firmware.apps.car_mems.gnss_port import GnssPort
-from firmware.apps.car_mems.navigation import Navigation
+from firmware.apps.car_mems.navigation import Navigation, NavigationKernels, nav_config
 from firmware.apps.car_mems.output import Output
 from firmware.apps.car_mems.settings import Settings
 from firmware.nav import layout
@@ -33,13 +33,14 @@ class CarMems:
     def __init__(self, io: BoardIo, settings: Settings, installation: Mapping[str, Any]) -> None:
         self._io = io
         self._settings = settings
-        self._installation = installation
+        self._kernels = NavigationKernels(settings.precision)
+        self._config = nav_config(settings, installation, "timepulse" in io.captures)
         self._navigation: Navigation | None = None
 
     def main(self) -> None:
         """From the reset vector: nothing survives a reset."""
         io, settings = self._io, self._settings
-        navigation = Navigation(settings, self._installation, "timepulse" in io.captures)
+        navigation = Navigation(self._kernels, self._config)
         self._navigation = navigation
         gnss = GnssPort(io, settings, navigation)
         acquisition = Acquisition(io, settings)
@@ -79,7 +80,8 @@ class NavigationTasks:
         self._f = navigation.f
         self._i = navigation.i
         mean = settings.strapdown == "mean"
-        self._step = navigation.timer_sample if mean else navigation.data_ready_step
+        kernels = navigation.kernels
+        self._step = kernels.timer_sample if mean else kernels.data_ready_step
         self._step_cost = io.cpu.cost("navigation_mean" if mean else "navigation_step")
         self._sample_cost = io.cpu.cost("convert_average")
         self._steps_per_output = max(1, (10 if mean else settings.imu_rate_hz) // settings.output_rate_hz)

@@ -54,7 +54,7 @@ def _read(path: Path, heirs: tuple[Path, ...]) -> dict[str, Any]:
     if parent_path.resolve() in chain:
         names = " → ".join(p.stem for p in (*chain, parent_path.resolve()))
         raise ScenarioError(f"{path}: inherit goes in a circle: {names}")
-    return _merged(_read(parent_path, chain), data)
+    return merged(_read(parent_path, chain), data)
 
 
 def _parse(path: Path, heirs: tuple[Path, ...]) -> dict[str, Any]:
@@ -71,9 +71,10 @@ def _parse(path: Path, heirs: tuple[Path, ...]) -> dict[str, Any]:
         raise ScenarioError(f"{path}: cannot be read: {error}") from None
 
 
-def _merged(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
-    merged = dict(base)
+def merged(base: dict[str, Any], top: dict[str, Any]) -> dict[str, Any]:
+    """`base` with `top` laid over it: tables key by key, everything else replaced."""
+    result = dict(base)
     for key, value in top.items():
-        both = isinstance(value, dict) and isinstance(merged.get(key), dict)
-        merged[key] = _merged(merged[key], value) if both else value
-    return merged
+        both = isinstance(value, dict) and isinstance(result.get(key), dict)
+        result[key] = merged(result[key], value) if both else value
+    return result

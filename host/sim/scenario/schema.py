@@ -218,6 +218,8 @@ class Scenario(Table):
     outage: list[OutageWindow] = Field(default=[], examples=[[{"start_s": 300.0, "duration_s": 60.0}]])
     fault: list[Fault] = Field(default_factory=list)
     recording: RecordingSource | None = Field(default=None, examples=[{"file": "comma2k19/example_1.npz"}])
+    board: dict[str, Any] = Field(default={}, examples=[{"chips": {"U3": {"lever_arm_m": [0.0, 0.0, 0.0]}}}])
+    """What of the board's description is otherwise in this scenario: the same tables, merged key by key."""
     profile: dict[str, str | int | float | bool] = Field(default={}, examples=[{"gnss_rate_hz": 5}])
     """Settings of the board's program that this scenario changes in every profile."""
     expect: Annotated[dict[str, Limit], BeforeValidator(_flat_limits)] = Field(
