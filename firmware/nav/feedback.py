@@ -2,14 +2,13 @@
 
     r += δr    v += δv    q_nb ← q(φ) ⊗ q_nb    parameters += theirs
 
-After a large rotation φ̂ the attitude error is measured from other axes: its rows of U turn by I − [φ̂×]/2
-(Markley, Attitude error representations for Kalman filtering, JGCD 26 (2003), first order).
+After a large rotation φ̂ the attitude error is counted from another attitude (attitude_reset).
 """
 
 import numpy as np
 
 from firmware.nav import layout as at
-from firmware.nav.covariance import retriangularise
+from firmware.nav.attitude_reset import turn_attitude_error
 from firmware.nav.history import log_correction
 from firmware.nav.prediction import begin_interval
 from firmware.nav.strapdown import move, set_attitude
@@ -18,9 +17,7 @@ from firmware.numerics.quaternion import quaternion_of_rotation, quaternion_prod
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
-ONE = np.float32(1.0)
 N = np.int32(at.STATES)
-NX = np.int32(at.DYNAMIC_STATES)
 LARGE_ROTATION_SQUARE = np.float32(0.02 * 0.02)
 LARGEST = np.float32(1.0e7)
 
@@ -60,27 +57,5 @@ def feed_back(f, i):
     for k in range(np.int32(at.PARAMETERS)):
         f[at.GYRO_BIAS + k] += f[c + at.X_GYRO_BIAS + k]
     if px * px + py * py + pz * pz > LARGE_ROTATION_SQUARE:
-        _turn_attitude_error(f, HALF * px, HALF * py, HALF * pz)
+        turn_attitude_error(f, HALF * px, HALF * py, HALF * pz)
     begin_interval(f)
-
-
-@kernel
-def _turn_attitude_error(f, x, y, z):
-    """φ → φ − (x, y, z) × φ in every column of U."""
-    for j in range(N):
-        u = at.U + j * at.STATES
-        w = u if j >= NX else at.WORK + j * 9
-        if j < NX:
-            for k in range(NX):
-                f[w + k] = f[u + k] if k < j else ZERO
-            f[w + j] = ONE
-            f[at.WORK_WEIGHT + j] = f[at.D + j]
-        a = f[w + 6]
-        b = f[w + 7]
-        c = f[w + 8]
-        f[w + 6] = a - (y * c - z * b)
-        f[w + 7] = b - (z * a - x * c)
-        f[w + 8] = c - (x * b - y * a)
-    for j in range(np.int32(at.DYNAMIC_STATES)):
-        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + j] = ZERO
-    retriangularise(f)

@@ -107,12 +107,10 @@ VARIANCE = RESIDUAL + ROW_LIMIT
 INNOVATION_SIGMA = VARIANCE + ROW_LIMIT
 TRIANGLE = INNOVATION_SIGMA + ROW_LIMIT
 """3 x 3 innovation covariance of the group under test, then its weighted residual."""
-WORK_COLUMNS = 18
-WORK = TRIANGLE + 12
-"""Columns of 9 for the retriangularisation."""
-WORK_WEIGHT = WORK + 9 * WORK_COLUMNS
-WORK_SUM = WORK_WEIGHT + WORK_COLUMNS
-LAST_INNOVATION = WORK_SUM + WORK_COLUMNS
+WEIGHT = TRIANGLE + 12
+"""Work space of the attitude reset: three weights, three columns of nine."""
+TURNED = WEIGHT + 3
+LAST_INNOVATION = TURNED + 27
 """Of the last GNSS epoch: position NED m, velocity m/s (NED, or along and across the course, 0)."""
 LAST_INNOVATION_SIGMA = LAST_INNOVATION + 6
 

@@ -4,13 +4,14 @@ Error model (n frame, truth minus estimate; C_n_b_true = (I + [φ×]) C_n_b):
 
     δr' = δv
     δv' = −f_n × φ − C_n_b (δb_a + f_x δr_x + f_y δr_y)
-    φ'  = −ω_in × φ − C_n_b (δb_g + ω_z δs)
+    φ'  = −C_n_b (δb_g + ω_z δs)
 
 (s, r: responses, layout) over the interval T, with ∫f_n dt = Δv − g T from the velocities at its ends (exact,
 whatever the motion between), the mean C_n_b of its ends, ∫ω_z dt, ∫f_x dt and ∫f_y dt summed, and the
 trapezoid for what each row feeds to the next.
-Left out, because below 1e-6 of what MEMS sensors do: Coriolis and transport terms in δv and δr, gravity
-gradient, and the error of the transport rate. Groves, Principles of GNSS, Inertial, and Multisensor
+Left out, because far below what MEMS sensors do: −ω_in × φ (0.05 °/h for φ = 0.2°; without it the dynamics
+are upper triangular, see covariance), Coriolis and transport terms in δv and δr, gravity gradient, and the
+error of the transport rate. Groves, Principles of GNSS, Inertial, and Multisensor
 Integrated Navigation Systems, 2nd ed., section 14.2.4.
 
 Parameters: biases walk, the gyro bias also drifts while the sensor warms up, at a rate that decays; the
@@ -22,7 +23,7 @@ import numpy as np
 
 from firmware.nav import layout as at
 from firmware.nav import tuning as cfg
-from firmware.nav.covariance import add_variance, retriangularise, scale_state
+from firmware.nav.covariance import add_variance, scale_state
 from firmware.numerics.dialect import kernel
 
 ZERO = np.float32(0.0)
@@ -31,9 +32,7 @@ ONE = np.float32(1.0)
 PARAMETER_PERIOD = np.float32(0.95)
 LEAST_DECAY = np.float32(0.1)
 N = np.int32(at.STATES)
-NX = np.int32(at.DYNAMIC_STATES)
 THREE = np.int32(3)
-SIX = np.int32(6)
 
 
 @kernel
@@ -54,78 +53,91 @@ def begin_interval(f):
 def predict(f):
     """Carry the covariance to the present; parameters too, when a second has passed."""
     t = f[at.SINCE_TIME]
-    if t > ZERO:
-        _map_columns(f, t)
-        _set_noise(f, t)
-        retriangularise(f)
+    if not t <= ZERO:
+        _map_dynamic_columns(f, t)
+        _map_parameter_columns(f, t)
+        _add_noise(f, t)
         f[at.PARAMETER_TIME] += t
         begin_interval(f)
-    if f[at.PARAMETER_TIME] > PARAMETER_PERIOD:
+    if not f[at.PARAMETER_TIME] <= PARAMETER_PERIOD:
         _walk_parameters(f, f[at.PARAMETER_TIME])
         f[at.PARAMETER_TIME] = ZERO
 
 
 @kernel
-def _map_columns(f, t):
-    """Each column of U is an error state of its own: move it over the interval."""
+def _force_integral(f, t):
+    """∫f_n dt: only gravity is taken off, the rest of the velocity equation is far below its noise."""
+    return (
+        f[at.VELOCITY] - f[at.SINCE_VELOCITY],
+        f[at.VELOCITY + 1] - f[at.SINCE_VELOCITY + 1],
+        f[at.VELOCITY + 2] - f[at.SINCE_VELOCITY + 2] - f[at.GRAVITY] * t,
+    )
+
+
+@kernel
+def _map_dynamic_columns(f, t):
+    """Columns of velocity and attitude: each is an error state of its own, moved over the interval."""
+    sx, sy, sz = _force_integral(f, t)
+    half_t = HALF * t
+    for j in range(np.int32(at.X_VELOCITY), np.int32(at.DYNAMIC_STATES)):
+        u = at.U + j * at.STATES
+        px = _entry(f, j, at.X_ATTITUDE)
+        py = _entry(f, j, at.X_ATTITUDE + 1)
+        pz = _entry(f, j, at.X_ATTITUDE + 2)
+        vx = _entry(f, j, at.X_VELOCITY)
+        vy = _entry(f, j, at.X_VELOCITY + 1)
+        vz = _entry(f, j, at.X_VELOCITY + 2)
+        nx = vx - (sy * pz - sz * py)
+        ny = vy - (sz * px - sx * pz)
+        nz = vz - (sx * py - sy * px)
+        f[u] += half_t * (vx + nx)
+        f[u + 1] += half_t * (vy + ny)
+        f[u + 2] += half_t * (vz + nz)
+        if j >= at.X_ATTITUDE:
+            f[u + at.X_VELOCITY] = nx
+            f[u + at.X_VELOCITY + 1] = ny
+            f[u + at.X_VELOCITY + 2] = nz
+
+
+@kernel
+def _map_parameter_columns(f, t):
+    """The same for the columns of the parameters, which drive velocity and attitude."""
     c00, c01, c02, c10, c11, c12, c20, c21, c22 = _mean_attitude(f)
+    sx, sy, sz = _force_integral(f, t)
     half_t = HALF * t
     yaw = f[at.SINCE_YAW_ANGLE]
-    # ∫f_n dt: only gravity is taken off, the rest of the velocity equation is far below its noise
-    sx = f[at.VELOCITY] - f[at.SINCE_VELOCITY]
-    sy = f[at.VELOCITY + 1] - f[at.SINCE_VELOCITY + 1]
-    sz = f[at.VELOCITY + 2] - f[at.SINCE_VELOCITY + 2] - f[at.GRAVITY] * t
-    north = (f[at.EARTH_RATE_N] + f[at.VELOCITY + 1] * f[at.PER_NORMAL_RADIUS]) * t
-    east = -f[at.VELOCITY] * f[at.PER_MERIDIAN_RADIUS] * t
-    down = (f[at.EARTH_RATE_D] - f[at.VELOCITY + 1] * f[at.PER_NORMAL_RADIUS] * f[at.TAN_LATITUDE]) * t
-    for j in range(N):
+    for j in range(np.int32(at.DYNAMIC_STATES), N):
         u = at.U + j * at.STATES
-        w = u if j >= NX else at.WORK + j * 9
-        if j < NX:
-            for k in range(NX):
-                f[w + k] = f[u + k] if k < j else ZERO
-            f[w + j] = ONE
-            f[at.WORK_WEIGHT + j] = f[at.D + j]
-        px = f[w + 6]
-        py = f[w + 7]
-        pz = f[w + 8]
-        ax = px - (east * pz - down * py)
-        ay = py - (down * px - north * pz)
-        az = pz - (north * py - east * px)
-        bx = ZERO
-        by = ZERO
-        bz = ZERO
-        if j >= NX:
-            gx = t * _entry(f, j, at.X_GYRO_BIAS) + yaw * _entry(f, j, at.X_YAW_RESPONSE)
-            gy = t * _entry(f, j, at.X_GYRO_BIAS + 1) + yaw * _entry(f, j, at.X_YAW_RESPONSE + 1)
-            gz = t * _entry(f, j, at.X_GYRO_BIAS + 2) + yaw * _entry(f, j, at.X_YAW_RESPONSE + 2)
-            ax -= c00 * gx + c01 * gy + c02 * gz
-            ay -= c10 * gx + c11 * gy + c12 * gz
-            az -= c20 * gx + c21 * gy + c22 * gz
-            dx = t * _entry(f, j, at.X_ACCEL_BIAS) + _force_entries(f, j, at.X_FORCE_RESPONSE)
-            dy = t * _entry(f, j, at.X_ACCEL_BIAS + 1) + _force_entries(f, j, at.X_FORCE_RESPONSE + 1)
-            dz = t * _entry(f, j, at.X_ACCEL_BIAS + 2) + _force_entries(f, j, at.X_FORCE_RESPONSE + 2)
-            bx = c00 * dx + c01 * dy + c02 * dz
-            by = c10 * dx + c11 * dy + c12 * dz
-            bz = c20 * dx + c21 * dy + c22 * dz
-        f[w + 6] = ax
-        f[w + 7] = ay
-        f[w + 8] = az
+        gx = t * _entry(f, j, at.X_GYRO_BIAS) + yaw * _entry(f, j, at.X_YAW_RESPONSE)
+        gy = t * _entry(f, j, at.X_GYRO_BIAS + 1) + yaw * _entry(f, j, at.X_YAW_RESPONSE + 1)
+        gz = t * _entry(f, j, at.X_GYRO_BIAS + 2) + yaw * _entry(f, j, at.X_YAW_RESPONSE + 2)
+        dx = t * _entry(f, j, at.X_ACCEL_BIAS) + _force_entries(f, j, at.X_FORCE_RESPONSE)
+        dy = t * _entry(f, j, at.X_ACCEL_BIAS + 1) + _force_entries(f, j, at.X_FORCE_RESPONSE + 1)
+        dz = t * _entry(f, j, at.X_ACCEL_BIAS + 2) + _force_entries(f, j, at.X_FORCE_RESPONSE + 2)
+        px = f[u + 6]
+        py = f[u + 7]
+        pz = f[u + 8]
+        ax = px - (c00 * gx + c01 * gy + c02 * gz)
+        ay = py - (c10 * gx + c11 * gy + c12 * gz)
+        az = pz - (c20 * gx + c21 * gy + c22 * gz)
+        f[u + 6] = ax
+        f[u + 7] = ay
+        f[u + 8] = az
         mx = HALF * (px + ax)
         my = HALF * (py + ay)
         mz = HALF * (pz + az)
-        vx = f[w + 3]
-        vy = f[w + 4]
-        vz = f[w + 5]
-        nx = vx - (sy * mz - sz * my) - bx
-        ny = vy - (sz * mx - sx * mz) - by
-        nz = vz - (sx * my - sy * mx) - bz
-        f[w + 3] = nx
-        f[w + 4] = ny
-        f[w + 5] = nz
-        f[w] += half_t * (vx + nx)
-        f[w + 1] += half_t * (vy + ny)
-        f[w + 2] += half_t * (vz + nz)
+        vx = f[u + 3]
+        vy = f[u + 4]
+        vz = f[u + 5]
+        nx = vx - (sy * mz - sz * my) - (c00 * dx + c01 * dy + c02 * dz)
+        ny = vy - (sz * mx - sx * mz) - (c10 * dx + c11 * dy + c12 * dz)
+        nz = vz - (sx * my - sy * mx) - (c20 * dx + c21 * dy + c22 * dz)
+        f[u + 3] = nx
+        f[u + 4] = ny
+        f[u + 5] = nz
+        f[u] += half_t * (vx + nx)
+        f[u + 1] += half_t * (vy + ny)
+        f[u + 2] += half_t * (vz + nz)
 
 
 @kernel
@@ -158,8 +170,8 @@ def _mean_attitude(f):
 
 
 @kernel
-def _set_noise(f, t):
-    """Variances that position, velocity and attitude gain over the interval."""
+def _add_noise(f, t):
+    """Position, velocity and attitude become less certain over the interval."""
     ax = f[at.VELOCITY] - f[at.SINCE_VELOCITY]
     ay = f[at.VELOCITY + 1] - f[at.SINCE_VELOCITY + 1]
     manoeuvre = (ax * ax + ay * ay) * f[cfg.MANOEUVRE_VARIANCE] / t
@@ -167,9 +179,9 @@ def _set_noise(f, t):
     attitude = f[cfg.ANGLE_WALK_VARIANCE] * t + f[at.LOST_ANGLE]
     position = f[cfg.POSITION_WALK_VARIANCE] * t + f[at.LOST_POSITION]
     for k in range(THREE):
-        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + k] = position
-        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + 3 + k] = velocity
-        f[at.WORK_WEIGHT + at.DYNAMIC_STATES + 6 + k] = attitude
+        add_variance(f, at.X_POSITION + k, position)
+        add_variance(f, at.X_VELOCITY + k, velocity)
+        add_variance(f, at.X_ATTITUDE + k, attitude)
 
 
 @kernel
