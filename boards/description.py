@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -40,11 +40,16 @@ class Processor(Facts):
     costs: dict[str, PositiveInt] = {}
 
 
-class Bus(Facts):
+class Owned(Facts):
+    """Something that belongs to one processor (a log file, a timer)."""
+
+    processor: str
+
+
+class Bus(Owned):
     """An SPI or I²C bus and its master."""
 
     kind: Literal["spi", "i2c"]
-    processor: str
     clock_hz: PositiveInt = Field(examples=[5_250_000])
     mode: int = Field(default=3, ge=0, le=3, examples=[3])
 
@@ -80,30 +85,21 @@ class Chip(Facts):
         return self
 
 
-class Port(Facts):
+class Port(Owned):
     """A UART of a processor; without a chip at it, it is a connector to the outside."""
 
-    processor: str
     baud: PositiveInt = Field(examples=[9600])
 
 
-class CanPort(Facts):
+class CanPort(Owned):
     """A CAN controller that leads to the outside."""
 
-    processor: str
     bitrate: PositiveInt = Field(examples=[500_000])
 
 
-class Owned(Facts):
-    """Something that belongs to one processor (a log file, a timer)."""
-
-    processor: str
-
-
-class Pin(Facts):
+class Pin(Owned):
     """A processor pin on a net."""
 
-    processor: str
     net: str
     use: Literal["input", "output", "capture"]
     wired: bool = True
@@ -128,10 +124,10 @@ class Board(Facts):
 
     @model_validator(mode="after")
     def _references_lead_somewhere(self) -> Board:
-        owned = [*self.buses.items(), *self.uarts.items(), *self.can.items()]
-        owned += [*self.logs.items(), *self.pins.items(), *self.timers.items()]
-        for name, part in owned:
-            _must_be_known("processor", part.processor, self.processors, name)
+        owned: list[Mapping[str, Owned]] = [self.buses, self.uarts, self.can, self.logs, self.pins, self.timers]
+        for table in owned:
+            for name, part in table.items():
+                _must_be_known("processor", part.processor, self.processors, name)
         for refdes, chip in self.chips.items():
             if (chip.bus is None) == (chip.uart is None):
                 raise ValueError(f"chip {refdes} must name either a bus or a uart")

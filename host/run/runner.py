@@ -14,6 +14,7 @@ from boards.assembly import AssembledBoard, assemble
 from boards.description import board_folder
 from boards.validation import DescriptionError
 from firmware.numerics.dialect import kernels_are_kept
+from firmware.numerics.subnormals import check_subnormals
 from hal.can import CanFrame
 from hal.emulated.virtual_time import SECOND
 from host.record.errors import UserError
@@ -39,6 +40,7 @@ RECORDING_RULES = ScoringRules(after_alignment_s=10.0)
 
 def run(request: RunRequest) -> RunResult:
     """Run a board. Raises UserError for whatever the user can mend."""
+    check_subnormals()
     with _user_errors():
         setup = resolve(request)
         check_names(setup.scenario.expect, _parts(setup))
