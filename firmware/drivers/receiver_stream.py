@@ -21,6 +21,7 @@ from firmware.drivers.gnss_epoch import new_epoch
 from firmware.drivers.message_table import write_tables
 from firmware.drivers.receiver_demux import demultiplex
 from firmware.drivers.satellite_lists import SatelliteInView, satellites
+from firmware.numerics.dialect import entry_point
 
 BITS_PER_BYTE: Final = 10
 SECOND_NS: Final = 1_000_000_000
@@ -78,6 +79,7 @@ class ReceiverStream:
         self.state: NDArray[np.int64] = np.zeros(st.STATE_SIZE, np.int64)
         self._view: NDArray[np.uint8] = np.frombuffer(self.ring, np.uint8)
         self._position = 0
+        self._demultiplex = entry_point(demultiplex)
         self.state[st.RING_MASK] = ring_length - 1
         self.state[st.GAP_NS] = gap_ns
         self.state[st.LONGEST_FRAME] = ring_length // 2
@@ -110,7 +112,7 @@ class ReceiverStream:
         elif received > taken and received & (half - 1):
             # Not at half or end of the ring: it was the idle line that called, one byte after the last.
             now_ns -= int(state[st.BYTE_NS])
-        self._position = demultiplex(state, self._view, self._position, received, now_ns, self.epoch)
+        self._position = self._demultiplex(state, self._view, self._position, received, now_ns, self.epoch)
         return bool(state[st.READY])
 
     def _skip_to(self, received: int) -> None:

@@ -19,7 +19,7 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware.numerics.dialect import kernel
+from firmware.numerics.dialect import entry_point, kernel
 from hal.can import CanFrame
 
 BASE_IDENTIFIER: Final = 0x310
@@ -149,6 +149,7 @@ class CanOutput:
         self._floats = np.zeros(SOLUTION_FLOATS, np.float32)
         self._integers = np.zeros(INTEGERS, np.int64)
         self._counter = 0
+        self._scale = entry_point(scale_solution)
 
     def frames(
         self,
@@ -163,7 +164,7 @@ class CanOutput:
         self._floats[:] = floats
         self._integers[:] = (lat_nanodeg, lon_nanodeg, time_of_day_ms, mode, flags, self._counter)
         self._counter = (self._counter + 1) & 15
-        scale_solution(self._floats, self._integers, self._bytes)
+        self._scale(self._floats, self._integers, self._bytes)
         data = bytes(self._buffer)
         return tuple(
             [CanFrame(identifier, data[8 * k : 8 * k + 8]) for k, identifier in enumerate(self._identifiers)]

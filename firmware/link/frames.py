@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from firmware.drivers.satellite_lists import SYSTEM_NAMES, SatelliteInView
 from firmware.link.crc import append_crc
+from firmware.numerics.dialect import entry_point
 
 SYNC: Final = b"\xa5\x5a"
 HEADER_LENGTH: Final = 5
@@ -73,6 +74,7 @@ class FrameWriter:
         self._buffer[0:2] = SYNC
         self._bytes: NDArray[np.uint8] = np.frombuffer(self._buffer, np.uint8)
         self._view = memoryview(self._buffer)
+        self._append_crc = entry_point(append_crc)
         self._sequence = 0
 
     def pack(self, kind: int, *values: float) -> bytes:
@@ -114,7 +116,7 @@ class FrameWriter:
     def _seal(self, length: int) -> bytes:
         self._sequence = (self._sequence + 1) & 0xFF
         end = HEADER_LENGTH + length
-        append_crc(self._bytes, len(SYNC), end)
+        self._append_crc(self._bytes, len(SYNC), end)
         return bytes(self._view[: end + CRC_LENGTH])
 
 

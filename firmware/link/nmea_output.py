@@ -17,7 +17,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware.numerics.dialect import kernel
+from firmware.numerics.dialect import entry_point, kernel
 
 LONGEST: Final = 82
 MILLIKNOTS_PER_463: Final = 900
@@ -75,6 +75,7 @@ class NmeaWriter:
             raise ValueError(f"NMEA talker is {talker!r}; it must be two capital letters, e.g. 'IN'")
         self._talker = talker
         self._buffer = bytearray(LONGEST)
+        self._exclusive_or = entry_point(exclusive_or)
         self._bytes: NDArray[np.uint8] = np.frombuffer(self._buffer, np.uint8)
 
     def seal(self, body: str) -> bytes:
@@ -82,7 +83,7 @@ class NmeaWriter:
         text = body.encode("ascii")
         count = len(text)
         self._buffer[:count] = text
-        return b"$%b*%02X\r\n" % (text, exclusive_or(self._bytes, count))
+        return b"$%b*%02X\r\n" % (text, self._exclusive_or(self._bytes, count))
 
     def gga(self, fix: OwnFix) -> bytes:
         """Position, quality and height; the height is empty while the geoid separation is not known."""
