@@ -44,6 +44,7 @@ from firmware.drivers.receiver_state import (
     GNS,
     LAST_MESSAGE,
     LEAP,
+    NAV_PVT,
     PHASE,
     PUBX_00,
     RANK,
@@ -59,7 +60,7 @@ from firmware.numerics.dialect import kernel
 SAME_EPOCH_MS: Final = 10
 NO_TIME: Final = -1
 DAY_MS: Final = 86_400_000
-POSITION_MESSAGES: Final = 1 << GGA | 1 << RMC | 1 << GLL | 1 << GNS | 1 << PUBX_00
+POSITION_MESSAGES: Final = 1 << GGA | 1 << RMC | 1 << GLL | 1 << GNS | 1 << PUBX_00 | 1 << NAV_PVT
 WITHOUT_FIX: Final = HAS_TIME | HAS_DATE | HAS_HEADING
 """What is left of an epoch when one of its messages said that the fix is not valid."""
 

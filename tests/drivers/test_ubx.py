@@ -126,6 +126,13 @@ def test_sentences_and_frames_of_one_epoch_are_one_epoch():
     assert (epoch["lat_nanodeg"], epoch["hdop_centi"], epoch["satellites"]) == (50_502_057_000, 95, 14)
 
 
+def test_frames_without_a_time_are_told_apart_by_repetition():
+    line = ReceiverLine()
+    line.chunks([pvt(valid=0), pvt(valid=0), pvt(valid=0)])
+    line.silence()
+    assert len(line.epochs) == 3
+
+
 def test_acknowledgements_are_noted():
     stream = ReceiverStream()
     line = ReceiverLine(stream)
