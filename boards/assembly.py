@@ -82,7 +82,7 @@ class AssembledBoard:
 
 
 def assemble(description: Board, profile: Mapping[str, Any], surroundings: Surroundings) -> AssembledBoard:
-    """Build the board. Raises DescriptionError when a program or chip cannot be had or refuses its settings."""
+    """Build the board. DescriptionError: a program or chip cannot be had, or refuses its settings."""
     board = AssembledBoard(description, Machine(VirtualTime()))
     for name, processor in description.processors.items():
         board.cpus[name] = _cpu(board, name, processor)
@@ -163,7 +163,7 @@ def _connect_to_bus(board: AssembledBoard, refdes: str, chip: Chip, placed: Any)
     if chip.bus in board.spi_buses:
         board.spi_devices[name] = board.spi_buses[chip.bus].device(placed, name)
     else:
-        raise DescriptionError(f"chips.{refdes}: {chip.part} on the I²C bus {chip.bus!r} is not supported; use SPI")
+        board.i2c_buses[chip.bus].attach(placed.i2c.address, placed.i2c)
 
 
 def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings) -> BoardIo:
@@ -174,6 +174,10 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
     def mine(table: Mapping[str, Any]) -> list[str]:
         return [name for name, part in table.items() if part.processor == processor]
 
+    def nets(use: str) -> dict[str, Net]:
+        pins = {name: description.pins[name] for name in mine(description.pins)}
+        return {name: board.net(pin.net) for name, pin in pins.items() if pin.use == use and pin.wired}
+
     for name in mine(description.logs):
         board.logs[name] = EmulatedLogFile(cpu, surroundings.log_sink(name))
     own_buses = mine(description.buses)
@@ -182,7 +186,6 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
         for refdes, chip in description.chips.items()
         if chip.bus in own_buses and chip.bus in board.spi_buses
     }
-    pins = {name: pin for name, pin in description.pins.items() if pin.processor == processor and pin.wired}
     return BoardIo(
         cpu=cpu,
         clock=cpu,
@@ -192,17 +195,9 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
         i2c={name: board.i2c_buses[name] for name in own_buses if name in board.i2c_buses},
         uart={name: board._ports[name] for name in mine(description.uarts)},
         can={name: board._can_ports[name] for name in mine(description.can)},
-        outputs={
-            name: EmulatedOutputPin(cpu, board.net(pin.net)) for name, pin in pins.items() if pin.use == "output"
-        },
-        inputs={
-            name: EmulatedInputPin(cpu, board.net(pin.net)) for name, pin in pins.items() if pin.use == "input"
-        },
-        captures={
-            name: EmulatedCaptureTimer(cpu, board.net(pin.net))
-            for name, pin in pins.items()
-            if pin.use == "capture"
-        },
+        outputs={name: EmulatedOutputPin(cpu, net) for name, net in nets("output").items()},
+        inputs={name: EmulatedInputPin(cpu, net) for name, net in nets("input").items()},
+        captures={name: EmulatedCaptureTimer(cpu, net) for name, net in nets("capture").items()},
         timers={name: EmulatedPeriodicTimer(cpu) for name in mine(description.timers)},
         logs={name: board.logs[name] for name in mine(description.logs)},
     )

@@ -124,7 +124,14 @@ class Board(Facts):
 
     @model_validator(mode="after")
     def _references_lead_somewhere(self) -> Board:
-        owned: list[Mapping[str, Owned]] = [self.buses, self.uarts, self.can, self.logs, self.pins, self.timers]
+        owned: list[Mapping[str, Owned]] = [
+            self.buses,
+            self.uarts,
+            self.can,
+            self.logs,
+            self.pins,
+            self.timers,
+        ]
         for table in owned:
             for name, part in table.items():
                 _must_be_known("processor", part.processor, self.processors, name)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import signal
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from types import FrameType
 
 from greenlet import greenlet
@@ -34,7 +34,7 @@ class Machine:
             cpu.start()
 
     def run_until(self, end_ns: int) -> None:
-        """Let virtual time pass to `end_ns`. Raises what the firmware raises, SpinError for an endless loop."""
+        """Let virtual time pass to `end_ns`. Raises what the firmware raises; SpinError: an endless loop."""
         if self._ended:
             raise RuntimeError("the machine is switched off; build a new one to run again")
         self.time.at(end_ns, switch_to_host, priority=1 << 30)
@@ -46,7 +46,7 @@ class Machine:
         self._ended = True
         for program in reversed(self._greenlets):
             if program:
-                with _silenced():
+                with suppress(PowerOff):
                     program.throw(PowerOff)
 
     @contextmanager
@@ -59,8 +59,8 @@ class Machine:
             if progress == seen:
                 busy = ", ".join(f"{cpu.running_name!r} on {cpu.name!r}" for cpu in self.cpus)
                 raise SpinError(
-                    f"virtual time stood still at {self.time.now / 1e9:.6f} s for {STALL_LIMIT_S:g} s: a task never "
-                    f"lets time pass (running: {busy}); give its loop a bound, or call spend() in it"
+                    f"virtual time stood still at {self.time.now / 1e9:.6f} s for {STALL_LIMIT_S:g} s: a task"
+                    f" never lets time pass (running: {busy}); give its loop a bound, or call spend() in it"
                 )
             seen[:] = progress
 
@@ -75,11 +75,3 @@ class Machine:
         finally:
             signal.setitimer(signal.ITIMER_REAL, 0)
             signal.signal(signal.SIGALRM, previous)
-
-
-@contextmanager
-def _silenced() -> Iterator[None]:
-    try:
-        yield
-    except PowerOff:
-        pass

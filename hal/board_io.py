@@ -1,4 +1,4 @@
-"""What a program finds wired to its processor: the interfaces of `hal`, under the names of the board description."""
+"""What a program finds wired to its processor: interfaces of `hal`, by the names of the description."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -38,7 +38,8 @@ from host.record.row_text import RowText
 FLUSH_EVERY_NS = 800_000_000
 UNBOUNDED = 1 << 62
 
-SpiRecorder = Callable[[int, int, bytes | bytearray, bytes], None]
+Bytes = bytes | bytearray
+SpiRecorder = Callable[[int, int, Bytes, Bytes], None]
 UartRecorder = Callable[[int, bytes], None]
 CanRecorder = Callable[[int, int, bool, bytes], None]
 
@@ -68,7 +69,7 @@ class CaptureWriter:
         block = self._block(spi_topic(bus), "navtwin.SpiBlock")
         pack, flush_due, due_ns = SPI_HEAD.pack, self._flush_due, self._due_ns
 
-        def record(start_ns: int, end_ns: int, mosi: bytes | bytearray, miso: bytes) -> None:
+        def record(start_ns: int, end_ns: int, mosi: Bytes, miso: Bytes) -> None:
             nonlocal block, due_ns
             block += pack(start_ns, end_ns - start_ns, len(mosi))
             block += mosi

@@ -52,7 +52,9 @@ def name_of(fault: Fault) -> str:
     return fault.name or f"{fault.kind} {fault.target}"
 
 
-def place_faults(faults: Sequence[Fault], board: AssembledBoard, sights: dict[str, ReceiverSight], seed: int) -> list[Placed]:
+def place_faults(
+    faults: Sequence[Fault], board: AssembledBoard, sights: dict[str, ReceiverSight], seed: int
+) -> list[Placed]:
     """Install all faults. Raises UserError for a kind, target or parameter that does not exist."""
     return [_place(fault, board, sights, seed) for fault in faults]
 
@@ -137,9 +139,7 @@ def _disturb_can(site: Site) -> Callable[[], int]:
     return lambda: fault.fired
 
 
-def _once(
-    site: Site, begin: Callable[[], Any], end: Callable[[], Any] | None = None
-) -> Callable[[], int]:
+def _once(site: Site, begin: Callable[[], Any], end: Callable[[], Any] | None = None) -> Callable[[], int]:
     """A fault that happens at an instant, and perhaps ends at another."""
     site.parameters()
     fired = 0

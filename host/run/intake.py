@@ -56,7 +56,9 @@ class LinkIntake:
         self._recorder = recorder
         self._sight = sight
         self._installation = installation
-        self._virtual_ns: Callable[[int], int] = board.cpus[board.description.uarts[port].processor].virtual_ns
+        self._virtual_ns: Callable[[int], int] = board.cpus[
+            board.description.uarts[port].processor
+        ].virtual_ns
         self._bytes = bytearray()
         self._last_solution_ns = -1
         board.from_board[port].connect(self)
@@ -179,7 +181,9 @@ def _velocity(table: Floats, flags: NDArray[np.int64]) -> Floats:
     """North, east, down from three components, or from speed and course; NaN where not told."""
     course = np.radians(table[:, 9] * 1e-5)
     speed = table[:, 8] * 1e-3
-    from_course = np.stack([speed * np.cos(course), speed * np.sin(course), np.full(len(table), np.nan)], axis=1)
+    from_course = np.stack(
+        [speed * np.cos(course), speed * np.sin(course), np.full(len(table), np.nan)], axis=1
+    )
     has_course = ((flags & gnss.HAS_SPEED) != 0) & ((flags & gnss.HAS_COURSE) != 0)
     from_course[~has_course] = np.nan
     return np.where(((flags & gnss.HAS_VELOCITY) != 0)[:, None], table[:, 10:13] * 1e-3, from_course)

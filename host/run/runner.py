@@ -6,7 +6,6 @@ import hashlib
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -101,7 +100,9 @@ def _run(
     )
 
 
-def _work_off(board: AssembledBoard, duration_ns: int, intake: LinkIntake, progress: Progress | None) -> float:
+def _work_off(
+    board: AssembledBoard, duration_ns: int, intake: LinkIntake, progress: Progress | None
+) -> float:
     """Let all virtual time pass; returns the wall-clock seconds it took, generation and scoring included."""
     for cpu in board.cpus.values():
         board.time.at(min(TRACE_AT_NS, duration_ns // 2), lambda cpu=cpu: cpu.start_trace())  # type: ignore[misc]

@@ -33,9 +33,7 @@ def resolve(request: RunRequest) -> Setup:
         raise UserError(f"--seed {request.seed}: a seed is a whole number from 0 on, for example --seed 1")
     board_changes = _with_prefix(request.overrides, BOARD_PREFIX)
     profile_changes = _with_prefix(request.overrides, PROFILE_PREFIX)
-    others = [
-        change for change in request.overrides if not change.startswith((BOARD_PREFIX, PROFILE_PREFIX))
-    ]
+    others = [change for change in request.overrides if not change.startswith((BOARD_PREFIX, PROFILE_PREFIX))]
     folder_board = load_board(request.board)
     scenario = load_scenario(
         scenario_path(request.board, request.scenario or folder_board.default_scenario), others

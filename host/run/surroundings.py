@@ -15,7 +15,6 @@ from boards.chips.world import GnssEpoch, GnssWorld, ImuWorld
 from boards.description import Chip
 from host.sim.world import World
 
-
 DAY_MS = 86_400_000
 EPOCHS_REMEMBERED = 4096
 

@@ -1,8 +1,8 @@
 """The receiver's port: bytes from the DMA ring become epochs, epochs become filter updates.
 
-    gnss_receive (interrupt of the port)  parse what has arrived, date a finished epoch
-    filter (task)                         one Kalman update
-    service (background)                  power, configuration, silence behind a burst
+gnss_receive (interrupt of the port)  parse what has arrived, date a finished epoch
+filter (task)                         one Kalman update
+service (background)                  power, configuration, silence behind a burst
 """
 
 from __future__ import annotations

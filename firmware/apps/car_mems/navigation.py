@@ -69,7 +69,7 @@ class Navigation:
         return self._covariance_out.tolist()
 
     def innovation(self) -> tuple[int, int, list[float]]:
-        """(time of validity on the board clock in ns, mask of used components, 6 innovations and 6 sigmas)."""
+        """(validity on the board clock in ns, mask of used components, 6 innovations and 6 sigmas)."""
         self.kernels.innovation(self.f, self._innovation_out)
         i = self.i
         return int(i[layout.INNOVATION_TIME]), int(i[layout.INNOVATION_MASK]), self._innovation_out.tolist()

@@ -5,13 +5,16 @@ from __future__ import annotations
 from firmware.apps.car_mems.acquisition import Acquisition
 from firmware.apps.car_mems.gnss_port import GnssPort
 from firmware.apps.car_mems.navigation import Navigation
+from firmware.apps.car_mems.own_fix import own_fix
 from firmware.apps.car_mems.settings import Settings
 from firmware.drivers import gnss_epoch as gnss
 from firmware.link import frames
+from firmware.link.can_output import CanOutput
+from firmware.link.nmea_output import NmeaWriter
 from firmware.nav import solution as record
 from hal.board_io import BoardIo
 
-LOG_SYNC_BLOCKS = 8
+LOG_BLOCKS_A_SYNC = 8
 LOG_BLOCK = 4096
 DAY_MS = 86_400_000
 EARLIEST_NS = 0
@@ -39,6 +42,12 @@ class Output:
         self._frame_cost = io.cpu.cost("solution_frame")
         self._slow_cost = io.cpu.cost("slow_frames")
         self._log_cost = io.cpu.cost("log_block")
+        self._can = io.can.get("can1")
+        self._can_frames = CanOutput().frames
+        self._can_cost = io.cpu.cost("can_set")
+        self._nmea = NmeaWriter()
+        self._nmea_cost = io.cpu.cost("nmea_set")
+        self._seconds = 0
         self._log = io.logs.get("sdcard")
         self._log_buffer = bytearray()
         self._blocks_unsynced = 0
@@ -48,20 +57,16 @@ class Output:
         """The solution at the output rate."""
         navigation = self._navigation
         navigation.fill_solution()
-        f, i = navigation.floats.tolist(), navigation.integers.tolist()
+        f = navigation.floats.tolist()
+        time_ns, lat, lon, mode, flags = navigation.integers.tolist()
+        time_of_day, date = self._utc(time_ns)
         self._send(
-            self._writer.pack(
-                frames.SOLUTION,
-                i[record.TIME_NS] // 1000,
-                *self._utc(i[record.TIME_NS]),
-                i[record.MODE],
-                i[record.FLAGS],
-                i[record.LAT_NANODEG],
-                i[record.LON_NANODEG],
-                *f,
-            )
+            self._writer.pack(frames.SOLUTION, time_ns // 1000, time_of_day, date, mode, flags, lat, lon, *f)
         )
         self._cpu.spend(self._frame_cost)
+        if self._can is not None:
+            self._can.send(self._can_frames(f, lat, lon, time_of_day, mode, flags))
+            self._cpu.spend(self._can_cost)
 
     def send_epoch(self) -> None:
         """After a filter update: the receiver's epoch and the innovations it made."""
@@ -119,6 +124,31 @@ class Output:
             )
         )
         self._cpu.spend(self._slow_cost)
+        self._send_sentences()
+        self._send_lists(now_us)
+
+    def _send_sentences(self) -> None:
+        """NMEA of our own solution."""
+        navigation, e = self._navigation, self._gnss.epoch
+        known = int(e[gnss.FLAGS]) & gnss.HAS_HEIGHT and int(e[gnss.FLAGS]) & gnss.HAS_HEIGHT_MSL
+        fix = own_fix(
+            navigation.floats.tolist(),
+            navigation.integers.tolist(),
+            self._utc(int(navigation.integers[record.TIME_NS])),
+            int(e[gnss.HEIGHT_MM] - e[gnss.HEIGHT_MSL_MM]) if known else None,
+            int(e[gnss.SATELLITES]),
+            int(e[gnss.HDOP_CENTI]),
+        )
+        nmea = self._nmea
+        self._send(nmea.gga(fix) + nmea.rmc(fix) + nmea.hdt(fix) + nmea.pashr(fix))
+        self._cpu.spend(self._nmea_cost)
+
+    def _send_lists(self, now_us: int) -> None:
+        """Satellites in view, for displays; every fifth second."""
+        self._seconds += 1
+        if self._seconds % 5 == 0:
+            for frame in self._writer.satellites(now_us, self._gnss.stream.satellites()):
+                self._send(frame)
 
     def send_text(self, message: str) -> None:
         """A line for people."""
@@ -132,7 +162,7 @@ class Output:
             del buffer[:LOG_BLOCK]
             self._cpu.spend(self._log_cost)
             self._blocks_unsynced += 1
-            if self._blocks_unsynced >= LOG_SYNC_BLOCKS:
+            if self._blocks_unsynced >= LOG_BLOCKS_A_SYNC:
                 self._blocks_unsynced = 0
                 log.sync()
 

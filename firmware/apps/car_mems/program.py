@@ -1,8 +1,8 @@
 """The program of the STM32F405: interrupts, tasks and the background loop.
 
-    imu_ready / imu_timer ─► navigation ─► output (10 Hz)
-    USART3 DMA, idle line ─► gnss_receive ─► filter
-    timepulse                                            main: configuration, log, health, watchdog
+imu_ready / imu_timer ─► navigation ─► output (10 Hz)
+USART3 DMA, idle line ─► gnss_receive ─► filter
+timepulse                                            main: configuration, log, health, watchdog
 """
 
 from __future__ import annotations

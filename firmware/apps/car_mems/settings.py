@@ -44,9 +44,8 @@ class Settings:
         known = {field.name for field in fields(cls)}
         for key, value in profile.items():
             if key not in known:
-                raise ValueError(
-                    f"profile key {key!r} (value {value!r}) is unknown; known keys: {', '.join(sorted(known))}"
-                )
+                keys = ", ".join(sorted(known))
+                raise ValueError(f"profile key {key!r} (value {value!r}) is unknown; known keys: {keys}")
             allowed = CHOICES.get(key, (True, False))
             if value not in allowed or isinstance(value, bool) != isinstance(allowed[0], bool):
                 choices = ", ".join(repr(choice) for choice in allowed)
