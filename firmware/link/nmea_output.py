@@ -17,7 +17,8 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware.numerics.dialect import entry_point, kernel
+from firmware.link.nmea_checksum import exclusive_or
+from firmware.numerics.dialect import entry_point
 
 LONGEST: Final = 82
 MILLIKNOTS_PER_463: Final = 900
@@ -56,15 +57,6 @@ class OwnFix(NamedTuple):
     heading_sigma_mdeg: int
     satellites: int
     hdop_centi: int
-
-
-@kernel("int32(uint8[::1], int32)")
-def exclusive_or(data, count):
-    """XOR of the first `count` bytes."""
-    check = np.int32(0)
-    for i in range(count):
-        check = np.int32(check ^ np.int32(data[i]))
-    return check
 
 
 class NmeaWriter:
