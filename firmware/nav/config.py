@@ -39,8 +39,8 @@ class NavConfig:
     sample_period: float = 0.01
     two_sample: bool = True
     """Instantaneous samples with coning and sculling; False: means over the period, one-sample algorithm."""
-    covariance_period: float = 0.1
-    angle_random_walk: float = 2.0e-4
+    covariance_period: float = 0.2
+    angle_random_walk: float = 1.0e-4
     """rad/√s."""
     velocity_random_walk: float = 250e-6 / math.sqrt(2.0) * G
     """m/s/√s."""
@@ -49,6 +49,10 @@ class NavConfig:
     """rad/s/√s; instability and warming up."""
     accel_bias_walk: float = 2.0e-4
     """m/s²/√s."""
+    gyro_instability_sigma: float = 4.5e-5
+    """rad/s (9 °/h) …"""
+    gyro_instability_time: float = 25.0
+    """… and its correlation time."""
     gyro_drift_sigma: float = 4.0e-6
     """rad/s²: 0.05 °/s/K while the sensor warms by 5 K in 15 minutes …"""
     gyro_drift_time: float = 900.0
@@ -59,7 +63,7 @@ class NavConfig:
     """m/√s: what the velocity solution leaves out, so that position keeps following GNSS."""
     misalignment_sigma: float = 0.25 * DEG
     scale_sigma: float = 0.006
-    manoeuvre_noise: float = 0.003
+    manoeuvre_noise: float = 0.0015
     """Share of the horizontal acceleration that scale and misalignment of the accelerometers make wrong …"""
     manoeuvre_time: float = 8.0
     """… for so long at a time."""
@@ -119,7 +123,7 @@ class NavConfig:
     rest_speed: float = 1.0
     """Largest velocity of the state that rest may correct."""
     zero_velocity_noise: float = 0.02
-    zero_rate_noise: float = 0.005 * DEG
+    zero_rate_noise: float = 2.0e-4
 
     # --- alignment
     level_time: float = 10.0
@@ -257,6 +261,8 @@ def _floats(c: NavConfig) -> dict[int, Any]:
         cfg.GYRO_DRIFT_VARIANCE: c.gyro_drift_sigma**2,
         cfg.PER_GYRO_DRIFT_TIME: 1.0 / c.gyro_drift_time,
         cfg.GYRO_DRIFT_WALK_VARIANCE: c.gyro_drift_walk**2,
+        cfg.GYRO_INSTABILITY_VARIANCE: c.gyro_instability_sigma**2,
+        cfg.PER_INSTABILITY_TIME: 1.0 / c.gyro_instability_time,
     }
 
 
@@ -287,7 +293,7 @@ def _ns(seconds: float) -> int:
 
 
 _MAY_BE_ZERO = {
-    "latency_sigma", "latency_nominal", "initial_yaw", "gyro_bias_walk", "accel_bias_walk", "manoeuvre_noise", "position_walk", "gyro_drift_sigma", "gyro_drift_walk",
+    "latency_sigma", "latency_nominal", "initial_yaw", "gyro_bias_walk", "accel_bias_walk", "manoeuvre_noise", "position_walk", "gyro_drift_sigma", "gyro_instability_sigma", "gyro_drift_walk",
     "misalignment_sigma", "scale_sigma", "course_noise", "time_tag_noise", "constraint_turn_noise",
     "rest_gyro_sigma", "epochs_after_time_jump",
 }  # fmt: skip

@@ -65,9 +65,11 @@ def imu_step(f, i, t_ns, dt, wx, wy, wz, ax, ay, az):
         if dt > ZERO:
             integrate_samples(f, i, dt, gx, gy, gz, hx, hy, hz)
     else:
-        gx -= f[at.GYRO_BIAS] + f[at.YAW_RESPONSE] * gz
-        gy -= f[at.GYRO_BIAS + 1] + f[at.YAW_RESPONSE + 1] * gz
-        gz -= f[at.GYRO_BIAS + 2] + f[at.YAW_RESPONSE + 2] * gz
+        b = at.GYRO_BIAS
+        n = at.GYRO_INSTABILITY
+        gx -= f[b] + f[n] + f[at.YAW_RESPONSE] * gz
+        gy -= f[b + 1] + f[n + 1] + f[at.YAW_RESPONSE + 1] * gz
+        gz -= f[b + 2] + f[n + 2] + f[at.YAW_RESPONSE + 2] * gz
         r = at.FORCE_RESPONSE
         kx = hx
         hx -= f[at.ACCEL_BIAS] + f[r] * kx + f[r + 3] * hy

@@ -37,6 +37,7 @@ def begin_covariance(f, e, age, tilt_variance, yaw_variance, gyro_variance):
         f[at.D + at.X_ACCEL_BIAS + k] = f[cfg.ACCEL_BIAS_VARIANCE]
         correlated = f[cfg.POSITION_ERROR_VARIANCE_V] if k == 2 else f[cfg.POSITION_ERROR_VARIANCE_H]
         f[at.D + at.X_GNSS_ERROR + k] = correlated
+        f[at.D + at.X_GYRO_INSTABILITY + k] = f[cfg.GYRO_INSTABILITY_VARIANCE]
         f[at.D + at.X_GYRO_DRIFT + k] = f[cfg.GYRO_DRIFT_VARIANCE]
         response = f[cfg.SCALE_VARIANCE] if k == 2 else f[cfg.MISALIGNMENT_VARIANCE]
         f[at.D + at.X_YAW_RESPONSE + k] = response

@@ -5,7 +5,7 @@ copy of both is a complete snapshot. Vectors take 3 places, matrices are row by 
 first. Axes: n = north-east-down, b = the body axes of the board description (front, right, down),
 s = the sensor's own axes, v = the vehicle's.
 
-Error state (33), each the truth minus the estimate, in this order:
+Error state (36), each the truth minus the estimate, in this order:
 
     0  δr      position, m, NED            15  GNSS position error, m, NED (first-order Gauss-Markov)
     3  δv      velocity, m/s, NED          18  mounting yaw, pitch of the vehicle in body axes, rad
@@ -13,13 +13,14 @@ Error state (33), each the truth minus the estimate, in this order:
     9  δb_g    gyro bias, rad/s, body      21  response of gyros x, y, z to the yaw rate
     12 δb_a    accelerometer bias, m/s²    24  response of accelerometers x, y, z to f_x, 27 to f_y
                                            30  drift of the gyro bias (warming up), rad/s²
+                                           33  gyro instability, rad/s (first-order Gauss-Markov)
 
 A response is what a sensor shows per unit of the quantity beyond what it should: a scale factor error on its
 own axis, a misalignment on the others. Those to f_z, which is gravity, are part of the biases.
 """
 
 # --- error state ---
-STATES = 33
+STATES = 36
 DYNAMIC_STATES = 9
 X_POSITION = 0
 X_VELOCITY = 3
@@ -32,6 +33,7 @@ X_LATENCY = 20
 X_YAW_RESPONSE = 21
 X_FORCE_RESPONSE = 24
 X_GYRO_DRIFT = 30
+X_GYRO_INSTABILITY = 33
 
 # --- f: estimate ---
 QUATERNION = 0
@@ -40,7 +42,7 @@ HEIGHT = 7
 """m above the ellipsoid; HEIGHT_REST is what one float32 cannot hold of it."""
 HEIGHT_REST = 8
 GYRO_BIAS = 9
-"""From here 24 parameters, in the order of the error state."""
+"""From here 27 parameters, in the order of the error state."""
 ACCEL_BIAS = 12
 GNSS_ERROR = 15
 MOUNTING = 18
@@ -48,51 +50,52 @@ LATENCY = 20
 YAW_RESPONSE = 21
 FORCE_RESPONSE = 24
 GYRO_DRIFT = 30
-PARAMETERS = 24
+GYRO_INSTABILITY = 33
+PARAMETERS = 27
 
-C_N_B = 33
+C_N_B = 36
 """Direction cosines of QUATERNION."""
-OMEGA_B = 42
+OMEGA_B = 45
 """Last compensated rate ω_ib, rad/s."""
-FORCE_B = 45
+FORCE_B = 48
 """Last compensated specific force, m/s²."""
-DELTA_ANGLE = 48
+DELTA_ANGLE = 51
 """Angle increment of the last step, rad, and velocity increment, m/s: the first of the two samples."""
-DELTA_VELOCITY = 51
-RAW = 54
+DELTA_VELOCITY = 54
+RAW = 57
 """Last sample as it came (6), in sensor axes: for stuck sensors."""
 
 # --- f: the Earth at the present place (refreshed with the covariance) ---
-EARTH_RATE_N = 60
-EARTH_RATE_D = 61
-PER_MERIDIAN_RADIUS = 62
+EARTH_RATE_N = 63
+EARTH_RATE_D = 64
+PER_MERIDIAN_RADIUS = 65
 """1 / (R_M + h)."""
-PER_NORMAL_RADIUS = 63
+PER_NORMAL_RADIUS = 66
 """1 / (R_N + h)."""
-TAN_LATITUDE = 64
-PER_COS_LATITUDE = 65
-GRAVITY = 66
-MERIDIAN_RADIUS = 67
-PARALLEL_RADIUS = 68
+TAN_LATITUDE = 67
+PER_COS_LATITUDE = 68
+GRAVITY = 69
+MERIDIAN_RADIUS = 70
+PARALLEL_RADIUS = 71
 """(R_N + h) cos φ."""
 
 # --- f: since the covariance was last propagated ---
-SINCE_TIME = 69
-SINCE_VELOCITY = 70
-SINCE_YAW_ANGLE = 73
+SINCE_TIME = 72
+SINCE_VELOCITY = 73
+SINCE_YAW_ANGLE = 76
 """∫ω_z dt, then ∫f_x dt and ∫f_y dt."""
-SINCE_FORCE = 74
-SINCE_C_N_B = 76
-PARAMETER_TIME = 85
+SINCE_FORCE = 77
+SINCE_C_N_B = 79
+PARAMETER_TIME = 88
 """s since process noise was last added to the parameters."""
-LOST_ANGLE = 86
+LOST_ANGLE = 89
 """Extra variances of dead time: attitude rad², velocity (m/s)², position m²."""
-LOST_VELOCITY = 87
-LOST_POSITION = 88
+LOST_VELOCITY = 90
+LOST_POSITION = 91
 
 # --- f: covariance P = U D Uᵀ ---
-U = 90
-"""Unit upper triangular, column by column: U[k, j] at U + 33 j + k; the ones are not stored."""
+U = 96
+"""Unit upper triangular, column by column: U[k, j] at U + 36 j + k; the ones are not stored."""
 D = U + STATES * STATES
 ROWS = D + STATES
 """Measurement rows H of up to six scalars."""
@@ -158,7 +161,7 @@ GOOD_HEIGHT = GNSS_FIX + 7
 
 # --- f: configuration (see NavConfig) ---
 CONFIG = GOOD_HEIGHT + 1
-F_SIZE = CONFIG + 84
+F_SIZE = CONFIG + 88
 
 # --- i ---
 TIME = 0

@@ -30,6 +30,8 @@ ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 PARAMETER_PERIOD = np.float32(0.95)
+INSTABILITY = at.X_GYRO_INSTABILITY - at.X_GYRO_BIAS
+RESPONSE = at.X_YAW_RESPONSE - at.X_GYRO_BIAS
 LEAST_DECAY = np.float32(0.1)
 N = np.int32(at.STATES)
 THREE = np.int32(3)
@@ -105,12 +107,11 @@ def _map_parameter_columns(f, t):
     c00, c01, c02, c10, c11, c12, c20, c21, c22 = _mean_attitude(f)
     sx, sy, sz = _force_integral(f, t)
     half_t = HALF * t
-    yaw = f[at.SINCE_YAW_ANGLE]
     for j in range(np.int32(at.DYNAMIC_STATES), N):
         u = at.U + j * at.STATES
-        gx = t * _entry(f, j, at.X_GYRO_BIAS) + yaw * _entry(f, j, at.X_YAW_RESPONSE)
-        gy = t * _entry(f, j, at.X_GYRO_BIAS + 1) + yaw * _entry(f, j, at.X_YAW_RESPONSE + 1)
-        gz = t * _entry(f, j, at.X_GYRO_BIAS + 2) + yaw * _entry(f, j, at.X_YAW_RESPONSE + 2)
+        gx = _rate_entries(f, j, at.X_GYRO_BIAS, t)
+        gy = _rate_entries(f, j, at.X_GYRO_BIAS + 1, t)
+        gz = _rate_entries(f, j, at.X_GYRO_BIAS + 2, t)
         dx = t * _entry(f, j, at.X_ACCEL_BIAS) + _force_entries(f, j, at.X_FORCE_RESPONSE)
         dy = t * _entry(f, j, at.X_ACCEL_BIAS + 1) + _force_entries(f, j, at.X_FORCE_RESPONSE + 1)
         dz = t * _entry(f, j, at.X_ACCEL_BIAS + 2) + _force_entries(f, j, at.X_FORCE_RESPONSE + 2)
@@ -146,6 +147,13 @@ def _entry(f, column, row):
     if row < column:
         return f[at.U + column * at.STATES + row]
     return ONE if row == column else ZERO
+
+
+@kernel
+def _rate_entries(f, column, row, t):
+    """T times the entries of bias and instability, ∫ω_z dt times that of the response, of one gyro."""
+    constant = _entry(f, column, row) + _entry(f, column, row + INSTABILITY)
+    return t * constant + f[at.SINCE_YAW_ANGLE] * _entry(f, column, row + RESPONSE)
 
 
 @kernel
@@ -195,6 +203,10 @@ def _walk_parameters(f, t):
         variance = f[cfg.POSITION_ERROR_VARIANCE_H] if k < 2 else f[cfg.POSITION_ERROR_VARIANCE_V]
         factor = _decay(f, at.X_GNSS_ERROR + k, t * f[cfg.PER_POSITION_ERROR_TIME])
         add_variance(f, at.X_GNSS_ERROR + k, (ONE - factor * factor) * variance)
+        factor = _decay(f, at.X_GYRO_INSTABILITY + k, t * f[cfg.PER_INSTABILITY_TIME])
+        add_variance(
+            f, at.X_GYRO_INSTABILITY + k, (ONE - factor * factor) * f[cfg.GYRO_INSTABILITY_VARIANCE]
+        )
         _decay(f, at.X_GYRO_DRIFT + k, t * f[cfg.PER_GYRO_DRIFT_TIME])
         add_variance(f, at.X_GYRO_DRIFT + k, t * f[cfg.GYRO_DRIFT_WALK_VARIANCE])
         add_variance(f, at.X_GYRO_BIAS + k, t * f[cfg.GYRO_BIAS_WALK_VARIANCE])

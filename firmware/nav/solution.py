@@ -19,6 +19,7 @@ from firmware.numerics.fixed_position import nanodegrees_of_units
 from firmware.numerics.quaternion import euler_of_quaternion
 
 ZERO = np.float32(0.0)
+TWO = np.float32(2.0)
 PI = np.float32(3.14159265358979)
 UNKNOWN_POSITION = np.float32(1.0e7)
 UNKNOWN_VELOCITY = np.float32(1.0e3)
@@ -150,10 +151,13 @@ def innovation(f, out):
 @kernel("void(float32[::1], float32[::1])")
 def biases(f, out):
     """Biases, mounting angles and latency with their sigmas (18)."""
-    for k in range(np.int32(6)):
-        out[k] = f[at.GYRO_BIAS + k]
-        out[9 + k] = _sigma(f, at.X_GYRO_BIAS + k)
     for k in range(THREE):
+        a = at.X_GYRO_BIAS + k
+        b = at.X_GYRO_INSTABILITY + k
+        out[k] = f[at.GYRO_BIAS + k] + f[at.GYRO_INSTABILITY + k]
+        out[9 + k] = np.float32(math.sqrt(element(f, a, a) + TWO * element(f, a, b) + element(f, b, b)))
+        out[3 + k] = f[at.ACCEL_BIAS + k]
+        out[12 + k] = _sigma(f, at.X_ACCEL_BIAS + k)
         out[6 + k] = f[at.MOUNTING + k]
         out[15 + k] = _sigma(f, at.X_MOUNTING + k)
     out[8] += f[cfg.LATENCY_NOMINAL]
