@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from host.record.run_data import GnssBatch, MotionBatch, RunData, SolutionBatch, TaskTrace
+from host.record.run_data import NAVIGATING, GnssBatch, MotionBatch, RunData, SolutionBatch, TaskTrace
 from host.record.series import DecimatedSeries
 from host.record.tables import BIAS, GNSS, INNOVATION, SOLUTION
 from host.score.errors import Place, position_error_ned
@@ -34,10 +34,11 @@ class Collector:
         )
 
     def add_solution(self, rows: Floats, solution: SolutionBatch, truth: MotionBatch) -> None:
-        """Rows of the table SOLUTION with what they came from."""
+        """Rows of the table SOLUTION with what they came from. Before alignment there is no place to show."""
         if len(rows):
-            places = (self._places(solution, truth), self._places(truth, truth))
-            self.data.solution.add(np.column_stack((rows, *places)))
+            places = self._places(solution, truth)
+            places[solution.mode < NAVIGATING] = np.nan
+            self.data.solution.add(np.column_stack((rows, places, self._places(truth, truth))))
 
     def add_gnss(self, rows: Floats, epochs: GnssBatch, truth: MotionBatch) -> None:
         """Rows of the table GNSS with what they came from."""

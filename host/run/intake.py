@@ -25,6 +25,7 @@ from host.sim.world import World
 
 Floats = NDArray[np.float64]
 NANODEG = math.pi / 180.0 * 1e-9
+HOST_PORT = "host"
 SOLUTION_FIELDS = (
     "height",
     "velocity_ned",
@@ -46,9 +47,9 @@ class LinkIntake:
         board: AssembledBoard,
         world: World,
         recorder: Recorder,
-        sight: ReceiverSight,
+        sight: ReceiverSight | None,
         installation: Installation,
-        port: str = "host",
+        port: str = HOST_PORT,
     ) -> None:
         self.decoder = LinkDecoder()
         self.tags = TimeTags()
@@ -116,7 +117,7 @@ class LinkIntake:
             return
         table = np.array(rows, dtype=np.float64)
         tagged_ns = self._times_ns([int(row[0]) for row in rows])
-        times_ns = self._sight.validity_ns(table[:, 1], tagged_ns)
+        times_ns = tagged_ns if self._sight is None else self._sight.validity_ns(table[:, 1], tagged_ns)
         order = np.concatenate(([True], np.diff(times_ns) > 0))
         table, times_ns, tagged_ns = table[order], times_ns[order], tagged_ns[order]
         flags = table[:, 3].astype(np.int64)

@@ -21,9 +21,9 @@ from host.record.manifest import build_manifest
 from host.record.recorder import Recorder
 from host.record.result import Progress, RunRequest, RunResult
 from host.run.faults import Placed, name_of, place_faults
-from host.run.intake import LinkIntake
+from host.run.intake import HOST_PORT, LinkIntake
 from host.run.setup import Setup, resolve
-from host.run.surroundings import Installation, Surroundings
+from host.run.surroundings import Installation, ReceiverSight, Surroundings
 from host.run.usage import bus_use, cpu_use, task_traces
 from host.score.expectations import check_names
 from host.score.rules import ScoringRules
@@ -43,6 +43,8 @@ def run(request: RunRequest) -> RunResult:
     with _user_errors():
         setup = resolve(request)
         check_names(setup.scenario.expect, _parts(setup))
+    _check_host_port(setup)
+    with _user_errors():
         world = World(setup.scenario, request.seed, request.data_dir)
     recording = setup.scenario.kind == "recording"
     manifest = build_manifest(
@@ -174,15 +176,26 @@ class OutputDigest:
         return self._hash.hexdigest()
 
 
-def _only_sight(surroundings: Surroundings):  # type: ignore[no-untyped-def]
-    return next(iter(surroundings.sights.values()))
+def _check_host_port(setup: Setup) -> None:
+    """What comes over the UART called "host" is what is scored."""
+    if HOST_PORT not in setup.board.uarts:
+        known = ", ".join(setup.board.uarts) or "none"
+        processor = next(iter(setup.board.processors))
+        raise UserError(
+            f"board {setup.board.name}: no UART {HOST_PORT!r} for the solution (there is: {known});"
+            f' for example [uarts.{HOST_PORT}] processor = "{processor}", baud = 230_400'
+        )
+
+
+def _only_sight(surroundings: Surroundings) -> ReceiverSight | None:
+    return next(iter(surroundings.sights.values()), None)
 
 
 def _installation(setup: Setup) -> Installation:
     chips = setup.board.chips.values()
-    imu = next(chip for chip in chips if chip.world == "imu")
-    receiver = next(chip for chip in chips if chip.world == "gnss")
-    return Installation(np.array(imu.mounting), np.array(receiver.lever_arm_m))
+    mounting = next((chip.mounting for chip in chips if chip.world == "imu"), np.eye(3))
+    lever_arm = next((chip.lever_arm_m for chip in chips if chip.world == "gnss"), np.zeros(3))
+    return Installation(np.array(mounting), np.array(lever_arm))
 
 
 def _parts(setup: Setup) -> dict[str, list[str]]:

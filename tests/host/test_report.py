@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import synthetic_run
 
+from host.record.run_data import NAVIGATING
 from host.report.numbers import number, percent
 from host.report.page import render
 from host.report.summary import limit_text, sections, verdict
@@ -71,6 +72,14 @@ def test_columns_hold_the_series(result, page):
     text = block(page, "data")["solution.error_north_m"]
     shown = np.frombuffer(base64.b64decode(text), dtype="<f4")
     np.testing.assert_array_equal(shown, result.data.solution.column("error_north_m").astype("<f4"))
+
+
+def test_before_alignment_there_is_no_place_on_the_track(result):
+    solution = result.data.solution
+    waiting = solution.column("mode") < NAVIGATING
+    assert waiting.any()
+    assert np.isnan(solution.column("east_m")[waiting]).all()
+    assert np.isfinite(solution.column("east_m")[~waiting]).all()
 
 
 def test_a_result_without_series_is_a_page_of_tables(result):
