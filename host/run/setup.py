@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -35,6 +36,7 @@ def resolve(request: RunRequest) -> Setup:
     profile_changes = _with_prefix(request.overrides, PROFILE_PREFIX)
     others = [change for change in request.overrides if not change.startswith((BOARD_PREFIX, PROFILE_PREFIX))]
     folder_board = load_board(request.board)
+    _make_importable(board_folder(request.board))
     scenario = load_scenario(
         scenario_path(request.board, request.scenario or folder_board.default_scenario), others
     )
@@ -47,6 +49,13 @@ def resolve(request: RunRequest) -> Setup:
         raise UserError(f"--profile {profile_name}: {board.name} has no such profile; {hint}")
     profile = apply_overrides({**board.profiles[profile_name], **scenario.profile}, profile_changes)
     return Setup(board, scenario, profile_name, profile)
+
+
+def _make_importable(folder: Path) -> None:
+    """A board of one's own has its program and chip models beside its board.toml."""
+    place = str(folder.resolve())
+    if place not in sys.path:
+        sys.path.insert(0, place)
 
 
 def scenario_names(board: str) -> list[str]:
