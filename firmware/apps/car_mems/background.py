@@ -35,6 +35,9 @@ class Background:
         self._output = output
         self._health_cost = io.cpu.cost("health_check")
         self._tick_line = io.interrupts.attach("background_tick", self._on_tick)
+        self._led = io.outputs["led"]
+        self._led_level = False
+        """Blinking while not navigating, steady while navigating."""
         self._ticks = 0
         self._reads_seen = 0
         self._silent_ticks = 0
@@ -75,6 +78,8 @@ class Background:
 
     def _every_second(self) -> None:
         self._io.cpu.spend(self._health_cost)
+        self._led.set(self._navigation.is_navigating or not self._led_level)
+        self._led_level = not self._led_level
         if self._silent_ticks == 0:
             found = self._acquisition.chip.check()
             if found is not Outcome.OK:

@@ -18,7 +18,7 @@ from firmware.apps.car_mems.steps import CLOCK_AT, MEAN_AT, MEAN_SIZE
 from firmware.nav import layout
 from firmware.nav import solution as record
 from firmware.nav.config import NavConfig, configure
-from firmware.nav.flags import MODE_NAMES
+from firmware.nav.flags import NAVIGATING
 from firmware.numerics.dialect import entry_point
 from firmware.numerics.precision import load
 
@@ -80,9 +80,9 @@ class Navigation:
         return self._biases_out.tolist()
 
     @property
-    def mode_name(self) -> str:
-        """The mode in words."""
-        return MODE_NAMES[int(self.i[layout.MODE])]
+    def is_navigating(self) -> bool:
+        """Whether there is a navigation solution."""
+        return int(self.i[layout.MODE]) == NAVIGATING
 
     @property
     def samples_missed(self) -> int:
