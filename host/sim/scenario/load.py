@@ -9,8 +9,8 @@ from typing import Any
 
 from pydantic import ValidationError
 
+from boards.validation_messages import explain
 from host.sim.scenario.errors import ScenarioError
-from host.sim.scenario.messages import explain
 from host.sim.scenario.overrides import apply_overrides
 from host.sim.scenario.schema import Scenario
 

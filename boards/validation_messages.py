@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 import json
-from typing import Any, get_args
+from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
@@ -87,6 +87,7 @@ def _locate(model: type[BaseModel], location: tuple[Any, ...]) -> tuple[type[Bas
     found: type[BaseModel] | None = model
     path, key = "", ""
     branches: list[type[BaseModel]] = []
+    names_entry = False
     for part in location:
         if isinstance(part, int):
             path += f"[{part + 1}]"
@@ -97,11 +98,14 @@ def _locate(model: type[BaseModel], location: tuple[Any, ...]) -> tuple[type[Bas
             continue
         if part in _TYPE_NAMES or part.startswith(("constrained-", "function-", "list[")):
             continue
-        found, key = owner, part
         path += f".{part}" if path else part
-        branches = (
-            _inner_models(owner.model_fields[part].annotation) if owner and part in owner.model_fields else []
-        )
+        if names_entry:
+            names_entry = False
+            continue
+        found, key = owner, part
+        annotation = owner.model_fields[part].annotation if owner and part in owner.model_fields else None
+        branches = _inner_models(annotation)
+        names_entry = get_origin(annotation) is dict
         owner = branches[0] if len(branches) == 1 else None
     return found, path, key
 
