@@ -1,5 +1,6 @@
 # navtwin: `make run` and `make test` need Python 3.11+ and nothing else installed.
-PYTHON ?= $(shell command -v python3.13 || command -v python3.12 || command -v python3.11 || command -v python3)
+PYTHON ?= $(shell for p in python3.11 python3.12 python3.13 python3; do \
+	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
 VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
@@ -13,7 +14,7 @@ help:  ## show this list
 setup: $(STAMP)  ## make .venv with the command navtwin in it
 
 $(STAMP): pyproject.toml
-	$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11) and "navtwin needs Python 3.11 or newer; set PYTHON=...")'
+	@test -n "$(PYTHON)" || { echo "navtwin needs Python 3.11 or newer; give one: make PYTHON=/path/to/python3"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check --upgrade pip
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev]'
@@ -35,10 +36,10 @@ arrows: setup
 	$(BIN)/lint-imports
 
 unit: setup
-	$(BIN)/pytest -n 2 -m 'not soak'
+	$(BIN)/pytest -q -n 2 -m 'not soak'
 
 soak: setup  ## slow statistical runs: many seeds, long drives
-	$(BIN)/pytest -n 2 -m soak
+	$(BIN)/pytest -q -n 2 -m soak
 
 bench: setup  ## where the microseconds go, as x real time
 	$(BIN)/python -m host.bench
