@@ -37,6 +37,8 @@ SOLUTION_FIELDS = (
     "sigma_attitude",
 )
 UPPER = np.triu_indices(9)
+DATING = (frames.SOLUTION, frames.STATUS)
+"""Frames that tell when what stands around them was sent."""
 
 
 class LinkIntake:
@@ -57,11 +59,12 @@ class LinkIntake:
         self._recorder = recorder
         self._sight = sight
         self._installation = installation
-        self._virtual_ns: Callable[[int], int] = board.cpus[
-            board.description.uarts[port].processor
-        ].virtual_ns
+        cpu = board.cpus[board.description.uarts[port].processor]
+        self._virtual_ns: Callable[[int], int] = cpu.virtual_ns
+        cpu.reset_hooks.append(lambda: self._clock_ends(board.time.now))
         self._bytes = bytearray()
         self._last_solution_ns = -1
+        self._dating: dict[int, bytes] = {}
         board.from_board[port].connect(self)
 
     def receive(self, data: bytes, _time_ns: int) -> None:
@@ -74,8 +77,11 @@ class LinkIntake:
         for kind, payload in self.decoder.feed_raw(bytes(self._bytes)):
             if kind in payloads:
                 payloads[kind].append(payload)
+                if kind in DATING:
+                    self._dating[kind] = payload
             elif kind == frames.TEXT:
-                self._recorder.add_event(now_ns, "board", payload.decode(errors="replace"))
+                at_ns = min(self._text_time_ns(), now_ns)
+                self._recorder.add_event(at_ns, "board", payload.decode(errors="replace"))
         self._bytes.clear()
         self._take_gnss(_rows(frames.GNSS, payloads))
         for row in _rows(frames.COVARIANCE, payloads):
@@ -87,6 +93,16 @@ class LinkIntake:
             )
         self._take_biases(_rows(frames.BIAS, payloads))
         self._take_solutions(np.frombuffer(b"".join(payloads[frames.SOLUTION]), SOLUTION_DTYPE))
+
+    def _clock_ends(self, now_ns: int) -> None:
+        """The processor is reset: what has come belongs to the clock that ends here."""
+        self.flush(now_ns)
+        self._dating.clear()
+
+    def _text_time_ns(self) -> int:
+        """Virtual time of a text, which holds none: that of the latest dated frame before it."""
+        times_us = [int.from_bytes(payload[:8], "little") for payload in self._dating.values()]
+        return self._virtual_ns(max(times_us, default=0) * 1000)
 
     def _seconds(self, board_us: float) -> float:
         return self._virtual_ns(int(board_us) * 1000) / 1e9

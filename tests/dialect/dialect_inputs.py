@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.apps.car_mems.sample_clock import CLOCK_SIZE, reset_clock
-from firmware.apps.car_mems.steps import CLOCK_AT, MEAN_SIZE
+from firmware.apps.car_mems.steps import CLOCK_AT, APP_SIZE
 from firmware.drivers import gnss_epoch as gnss
 from firmware.nav import layout
 from firmware.nav.config import NavConfig, configure
@@ -45,7 +45,7 @@ class Moment:
 @functools.cache
 def moments() -> tuple[Moment, ...]:
     rng = np.random.Generator(np.random.PCG64(3))
-    f = np.zeros(layout.F_SIZE + MEAN_SIZE, np.float32)
+    f = np.zeros(layout.F_SIZE + APP_SIZE, np.float32)
     i = np.zeros(layout.I_SIZE + CLOCK_SIZE, np.int64)
     configure(f[: layout.F_SIZE], i[: layout.I_SIZE], NavConfig())
     reset_clock(i, int(CLOCK_AT))

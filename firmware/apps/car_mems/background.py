@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from firmware.apps.car_mems.acquisition import Acquisition
+from firmware.apps.car_mems.announcements import Announcer
 from firmware.apps.car_mems.gnss_port import GnssPort
 from firmware.apps.car_mems.navigation import Navigation
 from firmware.apps.car_mems.output import Output
 from firmware.drivers.bmi160 import Outcome
+from firmware.nav import layout
 from hal.board_io import BoardIo
 
 RATE_HZ = 10
@@ -27,12 +29,14 @@ class Background:
         gnss: GnssPort,
         acquisition: Acquisition,
         output: Output,
+        announcer: Announcer,
     ) -> None:
         self._io = io
         self._navigation = navigation
         self._gnss = gnss
         self._acquisition = acquisition
         self._output = output
+        self._announcer = announcer
         self._health_cost = io.cpu.cost("health_check")
         self._tick_line = io.interrupts.attach("background_tick", self._on_tick)
         self._led = io.outputs["led"]
@@ -42,6 +46,8 @@ class Background:
         self._reads_seen = 0
         self._silent_ticks = 0
         self._start_after = 0
+        self._start_said = Outcome.OK
+        self._shown_ns = 0
 
     def run(self) -> None:
         """The loop; returns only when the processor is reset or switched off."""
@@ -59,6 +65,7 @@ class Background:
             self._gnss.service()
             self._watch_imu()
             self._output.write_log()
+            self._announcer.look()
             if done % RATE_HZ == 0:
                 self._every_second()
 
@@ -73,8 +80,17 @@ class Background:
             self._silent_ticks = 0
             return
         self._silent_ticks += 1
-        if self._silent_ticks >= SILENT_TICKS and self._ticks >= self._start_after:
-            self._restart_imu("silent")
+        if self._silent_ticks >= SILENT_TICKS:
+            self._show_state()
+            if self._ticks >= self._start_after:
+                self._restart_imu("silent")
+
+    def _show_state(self) -> None:
+        """Without samples nothing drives the output: each epoch that moved the state is shown from here."""
+        state_ns = int(self._navigation.i[layout.TIME])
+        if state_ns > self._shown_ns:
+            self._shown_ns = state_ns
+            self._output.send()
 
     def _every_second(self) -> None:
         self._io.cpu.spend(self._health_cost)
@@ -83,12 +99,17 @@ class Background:
         if self._silent_ticks == 0:
             found = self._acquisition.chip.check()
             if found is not Outcome.OK:
+                found = self._acquisition.chip.check()  # a bit flipped on the wire is no reason to restart
+            if found is not Outcome.OK:
                 self._restart_imu(found.value)
         self._output.send_slow()
+        self._announcer.look_at_line()
 
     def _restart_imu(self, why: str) -> None:
         self._start_after = self._ticks + START_PAUSE_TICKS
         found = self._acquisition.start_chip()
         self._navigation.restart_sample_clock()
         detail = self._acquisition.chip.detail
-        self._output.send_text(f"IMU {why}: restarted, {found.value} (0x{detail:02X})")
+        if found is Outcome.OK or found is not self._start_said:
+            self._output.send_text(f"IMU {why}: restarted, {found.value} (0x{detail:02X})")
+        self._start_said = found

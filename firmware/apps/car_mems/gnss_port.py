@@ -52,6 +52,11 @@ class GnssPort:
         self._uart.start_receive(self.stream.ring, self._line)
         self._enable.set(True)
 
+    @property
+    def phase(self) -> str:
+        """How far the set-up of the receiver is, in words."""
+        return self._configurator.phase.value
+
     def service(self) -> None:
         """From the background: next step of the configuration; a silence ends a burst."""
         self._configurator.step(self._now_ns())

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from firmware.apps.car_mems.sample_clock import CLOCK_SIZE, MISSED, REPEATED, reset_clock
 from firmware.apps.car_mems.settings import Settings
-from firmware.apps.car_mems.steps import CLOCK_AT, MEAN_AT, MEAN_SIZE
+from firmware.apps.car_mems.steps import APP_SIZE, CLOCK_AT, MEAN_AT
 from firmware.nav import layout
 from firmware.nav import solution as record
 from firmware.nav.config import NavConfig, configure
@@ -47,7 +47,7 @@ class Navigation:
 
     def __init__(self, kernels: NavigationKernels, config: NavConfig) -> None:
         real = kernels.real
-        self.f: NDArray[Any] = np.zeros(MEAN_AT + MEAN_SIZE, real)
+        self.f: NDArray[Any] = np.zeros(MEAN_AT + APP_SIZE, real)
         self.i: NDArray[np.int64] = np.zeros(CLOCK_AT + CLOCK_SIZE, np.int64)
         configure(self.f, self.i, config)
         reset_clock(self.i, CLOCK_AT)

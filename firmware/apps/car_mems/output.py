@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import struct
+
 from firmware.apps.car_mems.acquisition import Acquisition
 from firmware.apps.car_mems.gnss_port import GnssPort
 from firmware.apps.car_mems.navigation import Navigation
@@ -11,6 +13,7 @@ from firmware.drivers import gnss_epoch as gnss
 from firmware.link import frames
 from firmware.link.can_output import CanOutput
 from firmware.link.nmea_output import NmeaWriter
+from firmware.nav import layout
 from firmware.nav import solution as record
 from hal.board_io import BoardIo
 
@@ -32,6 +35,8 @@ class Output:
         acquisition: Acquisition,
     ) -> None:
         self.dropped = 0
+        self.card_works = True
+        """False while blocks for the log find no card."""
         self._navigation = navigation
         self._gnss = gnss_port
         self._acquisition = acquisition
@@ -39,6 +44,7 @@ class Output:
         self._write = self._uart.write
         self._writer = frames.FrameWriter()
         self._cpu = io.cpu
+        self._now_ns = io.clock.now_ns
         self._frame_cost = io.cpu.cost("solution_frame")
         self._slow_cost = io.cpu.cost("slow_frames")
         self._log_cost = io.cpu.cost("log_block")
@@ -60,8 +66,8 @@ class Output:
         f = navigation.floats.tolist()
         time_ns, lat, lon, mode, flags = navigation.integers.tolist()
         time_of_day, date = self._utc(time_ns)
-        self._send(
-            self._writer.pack(frames.SOLUTION, time_ns // 1000, time_of_day, date, mode, flags, lat, lon, *f)
+        self._send_frame(
+            frames.SOLUTION, max(time_ns, 0) // 1000, time_of_day, date, mode, flags, lat, lon, *f
         )
         self._cpu.spend(self._frame_cost)
         if self._can is not None:
@@ -71,57 +77,54 @@ class Output:
     def send_epoch(self) -> None:
         """After a filter update: the receiver's epoch and the innovations it made."""
         e = self._gnss.epoch.tolist()
-        self._send(
-            self._writer.pack(
-                frames.GNSS,
-                max(e[gnss.VALID_NS], EARLIEST_NS) // 1000,
-                e[gnss.TIME_OF_DAY_MS],
-                e[gnss.DATE_DAYS],
-                e[gnss.FLAGS],
-                e[gnss.LAT_NANODEG],
-                e[gnss.LON_NANODEG],
-                e[gnss.HEIGHT_MM],
-                e[gnss.HEIGHT_MSL_MM],
-                e[gnss.SPEED_MMPS],
-                e[gnss.COURSE_E5DEG],
-                e[gnss.VEL_N_MMPS],
-                e[gnss.VEL_E_MMPS],
-                e[gnss.VEL_D_MMPS],
-                min(e[gnss.SATELLITES], 0xFF),
-                min(e[gnss.HDOP_CENTI], 0xFFFF),
-                e[gnss.H_ACC_MM],
-                e[gnss.V_ACC_MM],
-            )
+        self._send_frame(
+            frames.GNSS,
+            max(e[gnss.VALID_NS], EARLIEST_NS) // 1000,
+            e[gnss.TIME_OF_DAY_MS],
+            e[gnss.DATE_DAYS],
+            e[gnss.FLAGS],
+            e[gnss.LAT_NANODEG],
+            e[gnss.LON_NANODEG],
+            e[gnss.HEIGHT_MM],
+            e[gnss.HEIGHT_MSL_MM],
+            e[gnss.SPEED_MMPS],
+            e[gnss.COURSE_E5DEG],
+            e[gnss.VEL_N_MMPS],
+            e[gnss.VEL_E_MMPS],
+            e[gnss.VEL_D_MMPS],
+            min(e[gnss.SATELLITES], 0xFF),
+            min(e[gnss.HDOP_CENTI], 0xFFFF),
+            e[gnss.H_ACC_MM],
+            e[gnss.V_ACC_MM],
         )
         time_ns, mask, values = self._navigation.innovation()
         if mask:
-            self._send(self._writer.pack(frames.INNOVATION, max(time_ns, 0) // 1000, mask, *values))
+            self._send_frame(frames.INNOVATION, max(time_ns, 0) // 1000, mask, *values)
         self._cpu.spend(self._frame_cost)
 
     def send_slow(self) -> None:
         """Once a second: covariance, slow states, status."""
         navigation, heard = self._navigation, self._gnss.stream.statistics()
-        now_us = int(navigation.i[0]) // 1000
-        self._send(self._writer.pack(frames.COVARIANCE, now_us, *navigation.covariance()))
-        self._send(self._writer.pack(frames.BIAS, now_us, *navigation.biases()))
+        state_us = max(int(navigation.i[layout.TIME]), 0) // 1000
+        now_us = self._now_ns() // 1000
+        self._send_frame(frames.COVARIANCE, state_us, *navigation.covariance())
+        self._send_frame(frames.BIAS, state_us, *navigation.biases())
         navigation.fill_solution()
         mode, flags = navigation.integers[record.MODE], navigation.integers[record.FLAGS]
-        self._send(
-            self._writer.pack(
-                frames.STATUS,
-                now_us,
-                int(mode),
-                int(flags),
-                self._gnss.epochs & 0xFFFFFFFF,
-                self._acquisition.reads & 0xFFFFFFFF,
-                navigation.samples_missed & 0xFFFFFFFF,
-                navigation.samples_repeated & 0xFFFFFFFF,
-                heard.bad_checksums & 0xFFFF,
-                heard.garbage & 0xFFFF,
-                self.dropped & 0xFFFF,
-                self._acquisition.starts & 0xFF,
-                int(self._gnss.pulse_dated),
-            )
+        self._send_frame(
+            frames.STATUS,
+            now_us,
+            int(mode),
+            int(flags),
+            self._gnss.epochs & 0xFFFFFFFF,
+            self._acquisition.reads & 0xFFFFFFFF,
+            navigation.samples_missed & 0xFFFFFFFF,
+            navigation.samples_repeated & 0xFFFFFFFF,
+            heard.bad_checksums & 0xFFFF,
+            heard.garbage & 0xFFFF,
+            self.dropped & 0xFFFF,
+            self._acquisition.starts & 0xFF,
+            int(self._gnss.pulse_dated),
         )
         self._cpu.spend(self._slow_cost)
         self._send_sentences()
@@ -158,7 +161,7 @@ class Output:
         """From the background: whole blocks to the card, made safe now and then."""
         log, buffer = self._log, self._log_buffer
         while log is not None and len(buffer) >= LOG_BLOCK:
-            log.append(bytes(buffer[:LOG_BLOCK]))
+            self.card_works = log.append(bytes(buffer[:LOG_BLOCK]))
             del buffer[:LOG_BLOCK]
             self._cpu.spend(self._log_cost)
             self._blocks_unsynced += 1
@@ -166,10 +169,20 @@ class Output:
                 self._blocks_unsynced = 0
                 log.sync()
 
+    def _send_frame(self, kind: int, *values: float) -> None:
+        """Pack and send; a frame with a value that its field cannot hold is dropped, and counted."""
+        try:
+            frame = self._writer.pack(kind, *values)
+        except (struct.error, OverflowError):
+            self.dropped += 1
+            return
+        self._send(frame)
+
     def _send(self, frame: bytes) -> None:
         if self._write(frame) != len(frame):
             self.dropped += 1
-        self._log_buffer += frame
+        if self._log is not None:
+            self._log_buffer += frame
 
     def _utc(self, time_ns: int) -> tuple[int, int]:
         """(UTC time of day in ms, date) of a board time, by the last dated epoch."""

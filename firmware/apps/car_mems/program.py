@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from firmware.apps.car_mems.acquisition import Acquisition
+from firmware.apps.car_mems.announcements import Announcer
 from firmware.apps.car_mems.background import Background
 from firmware.apps.car_mems.gnss_port import GnssPort
 from firmware.apps.car_mems.navigation import Navigation, NavigationKernels, nav_config
@@ -46,7 +47,8 @@ class CarMems:
         acquisition = Acquisition(io, settings)
         output = Output(io, settings, navigation, gnss, acquisition)
         tasks = NavigationTasks(io, settings, navigation, acquisition, output)
-        background = Background(io, navigation, gnss, acquisition, output)
+        announcer = Announcer(io.clock, navigation, gnss, output)
+        background = Background(io, navigation, gnss, acquisition, output, announcer)
         gnss.begin()
         tasks.begin()
         background.run()

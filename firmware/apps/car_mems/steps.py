@@ -5,6 +5,7 @@ import numpy as np
 from firmware.apps.car_mems.sample_clock import TIME, sample_time
 from firmware.drivers.bmi160_sample import rate_and_force, sensortime
 from firmware.nav import layout
+from firmware.nav.flags import IMU_GAP, report
 from firmware.nav.imu import imu_step
 from firmware.numerics.dialect import kernel
 from firmware.numerics.wide_integers import float32_of_int64
@@ -13,8 +14,12 @@ CLOCK_AT = np.int32(layout.I_SIZE)
 """Where the sample clock lies in `i`."""
 MEAN_AT = np.int32(layout.F_SIZE)
 """Where the sums of ω and f (6) and their number lie in `f`."""
-MEAN_SIZE = 7
 MEAN_COUNT = np.int32(layout.F_SIZE + 6)
+LAST_AT = np.int32(layout.F_SIZE + 7)
+"""Where the last sample that was believed lies in `f` (6), and behind it 1 when one was refused since."""
+REFUSED = np.int32(layout.F_SIZE + 13)
+APP_SIZE = 14
+"""What this program keeps in `f` behind navigation."""
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
@@ -22,6 +27,33 @@ TENTH = np.float32(0.1)
 TEN = np.float32(10.0)
 NANO = np.float32(1.0e-9)
 NOMINAL_NS = np.int64(10_000_000)
+RATE_STEP = np.float32(0.35)
+"""rad/s between two samples: 2000 °/s², which no car does."""
+FORCE_STEP = np.float32(15.0)
+"""m/s² between two samples, above vibration of 3 m/s² RMS up to 15 Hz."""
+
+
+@kernel
+def without_spike(f, i, wx, wy, wz, ax, ay, az):
+    """The sample, or the last one again where a single sample jumps: the bus has no checksum.
+
+    A second jump in a row is believed, it is no bit error.
+    """
+    p = LAST_AT
+    rate = max(max(abs(wx - f[p]), abs(wy - f[p + 1])), abs(wz - f[p + 2]))
+    force = max(max(abs(ax - f[p + 3]), abs(ay - f[p + 4])), abs(az - f[p + 5]))
+    if (rate > RATE_STEP or force > FORCE_STEP) and f[REFUSED] == ZERO:
+        f[REFUSED] = ONE
+        report(i, IMU_GAP)
+        return f[p], f[p + 1], f[p + 2], f[p + 3], f[p + 4], f[p + 5]
+    f[REFUSED] = ZERO
+    f[p] = wx
+    f[p + 1] = wy
+    f[p + 2] = wz
+    f[p + 3] = ax
+    f[p + 4] = ay
+    f[p + 5] = az
+    return wx, wy, wz, ax, ay, az
 
 
 @kernel("int64(float32[::1], int64[::1], uint8[::1], int64)")
@@ -36,6 +68,7 @@ def data_ready_step(f, i, raw, t_read_ns):
     if span < np.int64(0):
         span = NOMINAL_NS
     wx, wy, wz, ax, ay, az = rate_and_force(raw)
+    wx, wy, wz, ax, ay, az = without_spike(f, i, wx, wy, wz, ax, ay, az)
     imu_step(f, i, i[CLOCK_AT + TIME], float32_of_int64(span) * NANO, wx, wy, wz, ax, ay, az)
     return span
 
@@ -49,6 +82,7 @@ def timer_sample(f, i, raw, t_read_ns):
     """
     sample_time(i, CLOCK_AT, sensortime(raw), t_read_ns)
     wx, wy, wz, ax, ay, az = rate_and_force(raw)
+    wx, wy, wz, ax, ay, az = without_spike(f, i, wx, wy, wz, ax, ay, az)
     f[MEAN_AT] += wx
     f[MEAN_AT + 1] += wy
     f[MEAN_AT + 2] += wz

@@ -1,0 +1,94 @@
+"""What people at the host are told in words: changes of mode, alarms of navigation, receiver and card.
+
+Alarms count from the first navigation on. Each is said when it begins, and again at the earliest AGAIN_NS
+later; whether it still stands is in the flags of every solution. Numbers belong to the STATUS frame.
+"""
+
+from __future__ import annotations
+
+from firmware.apps.car_mems.gnss_port import GnssPort
+from firmware.apps.car_mems.navigation import Navigation
+from firmware.apps.car_mems.output import Output
+from firmware.drivers.neo_m8n import Phase
+from firmware.nav import flags
+from firmware.nav import solution as record
+from hal.clock import Clock
+
+AGAIN_NS = 10_000_000_000
+BAD_BYTES = 20
+"""Bytes in one look that made no message, from which on the line is called disturbed."""
+
+ALARMS = {
+    flags.GNSS_TIME_JUMP: "GNSS time has jumped",
+    flags.GNSS_REJECTED: "GNSS refused, it contradicts the solution",
+    flags.GNSS_STALE: "GNSS epoch too old",
+    flags.IMU_GAP: "IMU samples missing",
+    flags.IMU_SATURATED: "IMU out of range",
+    flags.IMU_STUCK: "IMU frozen",
+    flags.IMU_NOT_FINITE: "IMU sample not a number",
+    flags.NUMERIC_RESTART: "state not a number, navigation restarted",
+    flags.REALIGNED: "heading contradicted by the course, aligning again",
+    flags.REJOINED: "GNSS believed again after long refusal",
+    flags.GNSS_LOST: "GNSS lost",
+    flags.POSITION_UNCERTAIN: "position uncertain",
+}
+
+
+class Announcer:
+    """Looks at what the last output said, and says what is new."""
+
+    def __init__(self, clock: Clock, navigation: Navigation, gnss: GnssPort, output: Output) -> None:
+        self._now_ns = clock.now_ns
+        self._integers = navigation.integers
+        self._modes = flags.MODE_NAMES
+        self._gnss = gnss
+        self._output = output
+        self._mode = 0
+        self._flags = 0
+        self._said_ns: dict[int, int] = {}
+        self._phase = gnss.phase
+        self._bad_bytes = 0
+        self._bad_said_ns = -AGAIN_NS
+        self._card_works = True
+        self._has_navigated = False
+
+    def look(self) -> None:
+        """From the background, after its other work."""
+        if self._integers[record.MODE] != self._mode:
+            self._mode = int(self._integers[record.MODE])
+            self._has_navigated |= self._mode == flags.NAVIGATING
+            self._output.send_text(f"mode: {self._modes[self._mode]}")
+        if self._has_navigated and self._integers[record.FLAGS] != self._flags:
+            self._tell_alarms(int(self._integers[record.FLAGS]))
+        if self._gnss.phase != self._phase:
+            self._phase = self._gnss.phase
+            self._output.send_text(f"receiver: {self._phase}")
+        if self._output.card_works != self._card_works:
+            self._card_works = self._output.card_works
+            self._output.send_text("card: writing" if self._card_works else "card: cannot be written")
+
+    def look_at_line(self) -> None:
+        """Once a second: is what comes from the receiver full of errors?"""
+        heard = self._gnss.stream.statistics()
+        bad = heard.bad_checksums * BAD_BYTES + heard.garbage
+        grown, self._bad_bytes = bad - self._bad_bytes, bad
+        now_ns = self._now_ns()
+        if (
+            grown >= BAD_BYTES
+            and self._phase == Phase.RUNNING.value
+            and now_ns - self._bad_said_ns >= AGAIN_NS
+        ):
+            self._bad_said_ns = now_ns
+            counts = f"{heard.bad_checksums} bad checksums, {heard.garbage} bytes of garbage"
+            self._output.send_text(f"receiver line disturbed: {counts} so far")
+
+    def _tell_alarms(self, word: int) -> None:
+        new, ended = word & ~self._flags, self._flags & ~word
+        self._flags = word
+        now_ns = self._now_ns()
+        for flag, words in ALARMS.items():
+            if new >> flag & 1 and now_ns - self._said_ns.get(flag, -AGAIN_NS) >= AGAIN_NS:
+                self._said_ns[flag] = now_ns
+                self._output.send_text(words)
+        if ended >> flags.GNSS_LOST & 1:
+            self._output.send_text("GNSS is back")
