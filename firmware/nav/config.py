@@ -80,6 +80,10 @@ class NavConfig:
     vertical_factor: float = 1.7
     velocity_noise: float = 0.05
     """Each axis, m/s; also the floor of speed over ground."""
+    velocity_lag: float = 0.1
+    """Unknown delay of the velocity against the position, s; counts while the latency is estimated."""
+    epoch_independence: float = 1.0
+    """Epochs closer together than this share their errors."""
     course_noise: float = 0.3 * DEG
     """Floor of the course over ground; the share of the velocity noise comes on top."""
     latency_nominal: float = 0.08
@@ -226,6 +230,8 @@ def _floats(c: NavConfig) -> dict[int, Any]:
         cfg.PER_POSITION_ERROR_TIME: 1.0 / c.position_error_time,
         cfg.VERTICAL_FACTOR_SQUARE: vertical,
         cfg.GNSS_VELOCITY_VARIANCE: c.velocity_noise**2,
+        cfg.EPOCH_INDEPENDENCE: c.epoch_independence,
+        cfg.VELOCITY_LAG_SQUARE: c.velocity_lag**2 if c.latency_sigma > 0.0 else 0.0,
         cfg.COURSE_VARIANCE: c.course_noise**2,
         cfg.TIME_TAG_VARIANCE: c.time_tag_noise**2,
         cfg.LATENCY_NOMINAL: c.latency_nominal,
@@ -294,7 +300,7 @@ def _ns(seconds: float) -> int:
 
 _MAY_BE_ZERO = {
     "latency_sigma", "latency_nominal", "initial_yaw", "gyro_bias_walk", "accel_bias_walk", "manoeuvre_noise", "position_walk", "gyro_drift_sigma", "gyro_instability_sigma", "gyro_drift_walk",
-    "misalignment_sigma", "scale_sigma", "course_noise", "time_tag_noise", "constraint_turn_noise",
+    "misalignment_sigma", "scale_sigma", "course_noise", "velocity_lag", "time_tag_noise", "constraint_turn_noise",
     "rest_gyro_sigma", "epochs_after_time_jump",
 }  # fmt: skip
 

@@ -33,7 +33,7 @@ from firmware.nav.gnss_measurement import (
     turn_velocity_rows,
     velocity_rows,
 )
-from firmware.nav.gnss_noise import position_variances, speed_variance
+from firmware.nav.gnss_noise import position_variances, speed_variance, weigh_epoch
 from firmware.nav.gnss_time import time_is_believed
 from firmware.nav.heading import find_heading, has_course, heading_is_wrong
 from firmware.nav.history import correct_past, look_up
@@ -72,6 +72,7 @@ def gnss_step(f, i, e):
     if valid - i[at.TIME] > i[cfg.SILENCE_NS] and i[at.MODE] == NAVIGATING:
         coast(f, i, valid)
     time = valid - int64_of_float32(f[at.LATENCY] * NS_PER_SECOND)
+    weigh_epoch(f, i, valid)
     outage = valid - i[at.FIX_TIME] > i[cfg.GNSS_LOST_NS]
     _note_fix(f, i, e)
     if i[at.MODE] == NAVIGATING:

@@ -2,7 +2,9 @@
 
 The receiver's error is modelled as white (layout row variance R) plus correlated (a state of the filter). A
 claimed accuracy that exceeds both together adds its excess to R; one that is better is not believed. Without
-a claim, the dilution of precision scales the error.
+a claim, the dilution of precision scales the error. Receivers filter: epochs closer together than
+`epoch_independence` repeat one another's error, and the velocity's own delay is not that of the position (it
+only matters while the latency is estimated).
 """
 
 import numpy as np
@@ -10,6 +12,7 @@ import numpy as np
 from firmware.drivers import gnss_epoch as gnss
 from firmware.nav import layout as at
 from firmware.nav import tuning as cfg
+from firmware.nav.history import seconds_between
 from firmware.numerics.dialect import kernel
 
 ZERO = np.float32(0.0)
@@ -18,6 +21,7 @@ THIRD = np.float32(1.0 / 3.0)
 ONE = np.float32(1.0)
 MILLI = np.float32(1.0e-3)
 CENTI = np.float32(1.0e-2)
+SHORTEST = np.float32(0.02)
 LONGEST_MM = np.int64(1_000_000)
 
 
@@ -33,8 +37,8 @@ def position_variances(f, e):
     correlated = f[cfg.POSITION_ERROR_VARIANCE_V]
     dop = e[gnss.VDOP_CENTI] if e[gnss.VDOP_CENTI] > 0 else e[gnss.HDOP_CENTI]
     vertical = _variance(white, correlated, e, _square_mm(e[gnss.V_ACC_MM]), dop, f[cfg.PER_GOOD_HDOP] * HALF)
-    jitter = f[cfg.TIME_TAG_VARIANCE] * _speed_square(f)
-    return horizontal + jitter, vertical
+    jitter = f[cfg.TIME_TAG_VARIANCE] * (_square(f, at.VELOCITY) + _square(f, at.VELOCITY + 1))
+    return f[at.EPOCH_WEIGHT] * horizontal + jitter, f[at.EPOCH_WEIGHT] * vertical
 
 
 @kernel
@@ -52,8 +56,8 @@ def _square_mm(value):
 
 
 @kernel
-def _speed_square(f):
-    return f[at.VELOCITY] * f[at.VELOCITY] + f[at.VELOCITY + 1] * f[at.VELOCITY + 1]
+def _square(f, place):
+    return f[place] * f[place]
 
 
 @kernel
@@ -62,4 +66,13 @@ def speed_variance(f, e):
     variance = f[cfg.GNSS_VELOCITY_VARIANCE]
     if e[gnss.FLAGS] & gnss.HAS_ACCURACY:
         variance = max(variance, THIRD * _square_mm(e[gnss.S_ACC_MMPS]))
-    return variance
+    a = at.AGO_ACCELERATION
+    lag = f[cfg.VELOCITY_LAG_SQUARE] * (_square(f, a) + _square(f, a + 1) + _square(f, a + 2))
+    return f[at.EPOCH_WEIGHT] * variance + lag
+
+
+@kernel
+def weigh_epoch(f, i, valid):
+    """Errors of epochs that follow closely are the same errors: n within their time of change count as one."""
+    spacing = max(seconds_between(i[at.FIX_TIME], valid), SHORTEST)
+    f[at.EPOCH_WEIGHT] = max(f[cfg.EPOCH_INDEPENDENCE] / spacing, ONE)

@@ -157,7 +157,9 @@ GNSS_SPEED = SIDE_SPEED + 4
 """Low-passed GNSS velocity NED: is it standing?"""
 GNSS_FIX = GNSS_SPEED + 3
 """Last fix: height, velocity 3, speed, horizontal 1 σ, vertical 1 σ."""
-GOOD_HEIGHT = GNSS_FIX + 7
+EPOCH_WEIGHT = GNSS_FIX + 7
+"""Factor on the variances of the present epoch."""
+GOOD_HEIGHT = EPOCH_WEIGHT + 1
 
 # --- f: configuration (see NavConfig) ---
 CONFIG = GOOD_HEIGHT + 1
