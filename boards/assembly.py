@@ -15,7 +15,7 @@ from boards.chips.world import GnssWorld, ImuWorld
 from boards.description import Board, Chip, Processor
 from boards.machine import Machine
 from boards.validation import DescriptionError
-from hal.board_io import BoardIo, Program
+from hal.board_io import BoardIo, Named, NotNamedError, Program
 from hal.emulated.can import EmulatedCanBus, EmulatedCanController
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.i2c import EmulatedI2cBus
@@ -205,10 +205,11 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
 
 def _installation(description: Board) -> dict[str, Any]:
     """Mounting and lever arm of each device, by the firmware's name for it."""
-    return {
+    chips = {
         chip.name or chip.uart or refdes: {"C_b_s": chip.mounting, "lever_arm_m": chip.lever_arm_m}
         for refdes, chip in description.chips.items()
     }
+    return Named("a chip called", chips)
 
 
 def _program(
@@ -223,6 +224,8 @@ def _program(
         program: Program = factory(io, profile, installation)
     except ValueError as error:
         raise DescriptionError(f"profile for processor {name}: {error}") from None
+    except NotNamedError as error:
+        raise DescriptionError(f"processors.{name}: {error}") from None
     return program
 
 

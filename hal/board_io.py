@@ -1,8 +1,8 @@
 """What a program finds wired to its processor: interfaces of `hal`, by the names of the description."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Protocol
+from dataclasses import dataclass, field, fields
+from typing import Any, Protocol
 
 from hal.can import CanController
 from hal.clock import Clock
@@ -15,6 +15,30 @@ from hal.storage import LogFile
 from hal.timers import CaptureTimer, PeriodicTimer
 from hal.uart import Uart
 from hal.watchdog import Watchdog
+
+
+class NotNamedError(KeyError):
+    """The program asks for something that the description of its board does not name."""
+
+    def __init__(self, kind: str, name: str, known: Mapping[str, Any]) -> None:
+        names = ", ".join(sorted(known)) or "none"
+        super().__init__(
+            f"the program asks for {kind} {name!r}, which the board does not name; it names: {names}"
+        )
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+class Named(dict[str, Any]):
+    """Parts of one kind by name; asking for one that is not there raises NotNamedError."""
+
+    def __init__(self, kind: str, parts: Mapping[str, Any]) -> None:
+        super().__init__(parts)
+        self._kind = kind
+
+    def __missing__(self, name: str) -> Any:
+        raise NotNamedError(self._kind, name, self)
 
 
 @dataclass
@@ -34,6 +58,12 @@ class BoardIo:
     captures: Mapping[str, CaptureTimer] = field(default_factory=dict)
     timers: Mapping[str, PeriodicTimer] = field(default_factory=dict)
     logs: Mapping[str, LogFile] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        for kind in fields(self):
+            parts = getattr(self, kind.name)
+            if isinstance(parts, Mapping):
+                setattr(self, kind.name, Named(kind.name, parts))
 
 
 class Program(Protocol):

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from greenlet import getcurrent, greenlet
 
+from hal.board_io import NotNamedError
 from hal.emulated.interrupt_line import EmulatedLine, LineSpec
 from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
 
@@ -117,15 +118,13 @@ class EmulatedCpu:
     def cost(self, work: str) -> int:
         """Cycles budgeted for a named piece of work."""
         if work not in self.costs:
-            known = ", ".join(sorted(self.costs)) or "none"
-            raise KeyError(f"no cost named {work!r} for processor {self.name!r}; the board names: {known}")
+            raise NotNamedError(f"processors.{self.name}.costs", work, self.costs)
         return self.costs[work]
 
     def attach(self, name: str, handler: Callable[[], None]) -> EmulatedLine:
         """Install a handler on a line of the board description and enable it."""
         if name not in self.lines:
-            known = ", ".join(sorted(self.lines)) or "none"
-            raise KeyError(f"no line named {name!r} on processor {self.name!r}; the board names: {known}")
+            raise NotNamedError(f"processors.{self.name}.tasks", name, self.lines)
         line = self.lines[name]
         line.handler = handler
         line.enable()

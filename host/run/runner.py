@@ -6,6 +6,7 @@ import hashlib
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -14,6 +15,7 @@ from boards.description import board_folder
 from boards.validation import DescriptionError
 from firmware.numerics.dialect import kernels_are_kept
 from firmware.numerics.subnormals import check_subnormals
+from hal.board_io import NotNamedError
 from hal.can import CanFrame
 from hal.emulated.virtual_time import SECOND
 from host.record.errors import UserError
@@ -46,6 +48,7 @@ def run(request: RunRequest) -> RunResult:
     _check_host_port(setup)
     with _user_errors():
         world = World(setup.scenario, request.seed, request.data_dir)
+    ready = _make_ready(request, setup, world)
     recording = setup.scenario.kind == "recording"
     manifest = build_manifest(
         setup.board.name,
@@ -65,25 +68,38 @@ def run(request: RunRequest) -> RunResult:
         rules=RECORDING_RULES if recording else None,
         fit_recording=recording,
     ) as recorder:
-        surroundings = Surroundings(world, request.out_dir)
         try:
-            return _run(request, setup, world, surroundings, recorder)
+            return _run(request, setup, world, ready, recorder)
         finally:
-            surroundings.close()
+            ready.surroundings.close()
 
 
-def _run(
-    request: RunRequest, setup: Setup, world: World, surroundings: Surroundings, recorder: Recorder
-) -> RunResult:
+@dataclass(frozen=True)
+class Ready:
+    """A board in its surroundings, with all faults in place; nothing has been written yet."""
+
+    surroundings: Surroundings
+    board: AssembledBoard
+    faults: list[Placed]
+
+
+def _make_ready(request: RunRequest, setup: Setup, world: World) -> Ready:
     if request.notice is not None and not kernels_are_kept():
         request.notice("compiling the on-board kernels (first run with these sources, some 15 s) …")
     with _user_errors():
+        surroundings = Surroundings(world, request.out_dir)
         board = assemble(setup.board, setup.profile, surroundings)
         faults = place_faults(setup.scenario.fault, board, surroundings.sights, request.seed)
+    return Ready(surroundings, board, faults)
+
+
+def _run(request: RunRequest, setup: Setup, world: World, ready: Ready, recorder: Recorder) -> RunResult:
+    board, surroundings = ready.board, ready.surroundings
     intake = LinkIntake(board, world, recorder, _only_sight(surroundings), _installation(setup))
     digest = OutputDigest(board)
     _record_traffic(board, recorder)
-    wall_s = _work_off(board, world.duration_ns, intake, request.progress)
+    with _user_errors(f"{board_folder(request.board) / 'board.toml'}: "):
+        wall_s = _work_off(board, world.duration_ns, intake, request.progress)
     for trace in task_traces(board):
         recorder.add_trace(trace)
     for name, cpu in board.cpus.items():
@@ -96,7 +112,7 @@ def _run(
         state_hash=digest.hexdigest(),
         cpu=cpu_use(board, duration_ns),
         buses=bus_use(board, duration_ns),
-        faults=[placed.use() for placed in faults],
+        faults=[placed.use() for placed in ready.faults],
         expect=setup.scenario.expect,
         gnss_extra=intake.tags.figures(),
     )
@@ -212,12 +228,14 @@ def _parts(setup: Setup) -> dict[str, list[str]]:
 
 
 @contextmanager
-def _user_errors() -> Iterator[None]:
+def _user_errors(source: str = "") -> Iterator[None]:
     """Turn errors of descriptions into the one error that the command line shows without a traceback."""
     try:
         yield
     except (DescriptionError, ScenarioError) as error:
         raise UserError(str(error)) from None
+    except NotNamedError as error:
+        raise UserError(f"{source}{error}") from None
 
 
 __all__ = ["Placed", "run"]

@@ -78,10 +78,7 @@ class Surroundings:
         """A file of that name in the output folder, or nowhere when there is none."""
         if self._log_dir is None:
             return _drop
-        self._log_dir.mkdir(parents=True, exist_ok=True)
-        file = (self._log_dir / f"{name}.bin").open("wb")
-        self._files.append(file)
-        return lambda block: _write(file, block)
+        return LazyFile(self._log_dir / f"{name}.bin", self._files).write
 
     def close(self) -> None:
         """Close the log files."""
@@ -93,5 +90,18 @@ def _drop(_block: bytes) -> None:
     pass
 
 
-def _write(file: BinaryIO, block: bytes) -> None:
-    file.write(block)
+class LazyFile:
+    """A file that is made when its first block comes."""
+
+    def __init__(self, path: Path, opened: list[BinaryIO]) -> None:
+        self._path = path
+        self._opened = opened
+        self._file: BinaryIO | None = None
+
+    def write(self, block: bytes) -> None:
+        """Append a block."""
+        if self._file is None:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            self._file = self._path.open("wb")
+            self._opened.append(self._file)
+        self._file.write(block)

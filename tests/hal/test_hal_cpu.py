@@ -183,7 +183,7 @@ def test_clock_runs_with_its_crystal() -> None:
 
 def test_unknown_cost_lists_the_known_ones() -> None:
     with pytest.raises(
-        KeyError, match=r"no cost named 'filtre' for processor 'mcu'; the board names: filter"
+        KeyError, match=r"processors.mcu.costs 'filtre', which the board does not name; it names: filter"
     ):
         processor().cost("filtre")
 
