@@ -146,12 +146,14 @@ class Configurator:
         """Look at what was heard, send what is due."""
         if self._since_ns is None:
             self._enter(Phase.LISTENING, now_ns)
-        {
-            Phase.LISTENING: self._listen,
-            Phase.SWITCHING: self._switch,
-            Phase.CONFIGURING: self._configure,
-            Phase.RUNNING: self._watch,
-        }[self.phase](now_ns)
+        if self.phase is Phase.RUNNING:
+            self._watch(now_ns)
+        elif self.phase is Phase.LISTENING:
+            self._listen(now_ns)
+        elif self.phase is Phase.SWITCHING:
+            self._switch(now_ns)
+        else:
+            self._configure(now_ns)
 
     def _enter(self, phase: Phase, now_ns: int) -> None:
         self.phase = phase

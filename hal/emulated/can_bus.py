@@ -218,7 +218,7 @@ class EmulatedCanBus:
     def _due(self) -> int:
         some_were_off = self._any_off
         self.catch_up()
-        if some_were_off or not self._plan:
+        if some_were_off or (not self._plan and any(node.queue for node in self._nodes)):
             self.replan()
         return self._next_instant()
 

@@ -16,12 +16,13 @@ from hal.interrupts import InterruptLine
 from hal.pins import Edge
 
 Listener = Callable[[bool, int], None]
+EdgeListener = Callable[[], None]
 
 
 class Net:
     """One wire of the board. `level` is its electrical level now."""
 
-    __slots__ = ("_listeners", "level", "name", "on_first_listener", "time")
+    __slots__ = ("_edges", "_listeners", "level", "name", "on_first_listener", "time")
 
     def __init__(self, time: VirtualTime, name: str, level: bool = False) -> None:
         self.time = time
@@ -30,27 +31,51 @@ class Net:
         self.on_first_listener: Callable[[], None] | None = None
         """Set by a lazy driver: called when `listened` becomes true, before the listener looks at `level`."""
         self._listeners: tuple[Listener, ...] = ()
+        self._edges: tuple[tuple[EdgeListener, ...], tuple[EdgeListener, ...]] = ((), ())
+        """Who hears of falling and of rising edges only: an edge that nobody waits for costs no call."""
 
     @property
     def listened(self) -> bool:
         """Whether anybody follows the level."""
-        return bool(self._listeners)
+        return bool(self._listeners or self._edges[0] or self._edges[1])
 
     def set(self, level: bool) -> None:
         """Drive the level; listeners hear of a change only."""
         if level == self.level:
             return
         self.level = level
-        now = self.time.now
-        for listener in self._listeners:
-            listener(level, now)
+        for edge_listener in self._edges[level]:
+            edge_listener()
+        if self._listeners:
+            now = self.time.now
+            for listener in self._listeners:
+                listener(level, now)
 
     def listen(self, callback: Listener) -> None:
         """Call `callback(level, time_ns)` at every change from now on. It must not let time pass."""
-        first = not self._listeners
+        first = not self.listened
         self._listeners = (*self._listeners, callback)
         if first and self.on_first_listener is not None:
             self.on_first_listener()
+
+    def listen_edge(self, rising: bool, callback: EdgeListener) -> None:
+        """Call `callback()` at every rising (or falling) edge from now on, before those who `listen`."""
+        first = not self.listened
+        falling_edge, rising_edge = self._edges
+        if rising:
+            self._edges = (falling_edge, (*rising_edge, callback))
+        else:
+            self._edges = ((*falling_edge, callback), rising_edge)
+        if first and self.on_first_listener is not None:
+            self.on_first_listener()
+
+    def ignore_edges(self, callback: EdgeListener) -> None:
+        """Take a listener for edges back, from both."""
+        falling, rising = self._edges
+        self._edges = (
+            tuple(other for other in falling if other != callback),
+            tuple(other for other in rising if other != callback),
+        )
 
     def ignore(self, callback: Listener) -> None:
         """Take a listener back. Raises ValueError when it does not listen."""
@@ -82,7 +107,6 @@ class EmulatedInputPin:
     def __init__(self, cpu: EmulatedCpu, net: Net) -> None:
         self._cpu = cpu
         self._net = net
-        self._edge: Edge | None = None
         self._line: EmulatedLine | None = None
         self._listening = False
         cpu.reset_hooks.append(self._reset)
@@ -95,24 +119,29 @@ class EmulatedInputPin:
 
     def interrupt_on(self, edge: Edge, line: InterruptLine) -> None:
         """Pend `line` at every such edge; a second call replaces the first."""
-        self._edge = edge
+        self._forget_line()
         self._line = emulated_line(line)
-        self._look()
+        for rising in (False, True):
+            if edge is Edge.BOTH or rising == (edge is Edge.RISING):
+                self._net.listen_edge(rising, self._line.request)
 
     def _look(self) -> None:
+        """Have a lazy driver keep the level up to date."""
         if not self._listening:
             self._listening = True
-            self._net.listen(self._changed)
+            self._net.listen(_nothing)
 
-    def _changed(self, level: bool, _time_ns: int) -> None:
-        edge = self._edge
-        if edge is None or self._line is None:
-            return
-        if edge is Edge.BOTH or level == (edge is Edge.RISING):
-            self._line.request()
+    def _forget_line(self) -> None:
+        if self._line is not None:
+            self._net.ignore_edges(self._line.request)
+            self._line = None
 
     def _reset(self) -> None:
-        self._edge = self._line = None
+        self._forget_line()
         if self._listening:
             self._listening = False
-            self._net.ignore(self._changed)
+            self._net.ignore(_nothing)
+
+
+def _nothing(_level: bool, _time_ns: int) -> None:
+    """Whoever reads a pin's level follows it, but waits for no edge."""

@@ -140,6 +140,36 @@ class LineReceiver:
         arrivals.extend(sample(list(line), baud, self._ready_at))
 
 
+class LateReceiver(LineReceiver):
+    """Keeps what was sent until it is asked: for listeners in no hurry, without an event a piece.
+
+    It understands every rate.
+    """
+
+    def __init__(self, time: VirtualTime) -> None:
+        super().__init__(time, None)
+
+    def announce(self, sent: SentBytes) -> None:
+        """These bytes will be on the line."""
+        self.arrivals.append(sent)
+
+    def forget(self, begin_from: int) -> None:
+        """Bytes whose start bit lies at `begin_from` or later will not come after all."""
+        self._cut_arrivals(begin_from)
+
+    def pieces(self) -> list[tuple[bytes, int]]:
+        """(bytes, end of the last one in ns) of every piece that has ended by now, each given once."""
+        arrivals, now = self.arrivals, self._time.now
+        ended = []
+        while arrivals and arrivals[0].end <= now:
+            piece = arrivals.popleft()
+            ended.append((piece.data, piece.end))
+        return ended
+
+    def _next_instant(self) -> int:
+        return FAR
+
+
 class PeerReceiver(LineReceiver):
     """Hands a peer one chunk for each piece that was sent, at the end of the piece."""
 

@@ -12,7 +12,7 @@ from typing import Protocol
 
 from hal.emulated.alarm import Alarm
 from hal.emulated.uart_bytes import SentBytes
-from hal.emulated.uart_receiver import LineReceiver, PeerReceiver, UartPeer
+from hal.emulated.uart_receiver import LateReceiver, LineReceiver, PeerReceiver, UartPeer
 from hal.emulated.virtual_time import FAR, VirtualTime
 
 
@@ -60,8 +60,11 @@ class UartWire:
     def send(self, data: bytes) -> int:
         """Queue bytes behind what is still being sent; returns how many found room."""
         room = self.free
-        taken = len(data) if room is None or len(data) <= room else room
-        data = bytes(data[:taken])
+        taken = len(data)
+        if room is not None and taken > room:
+            taken = room
+            data = data[:taken]
+        data = bytes(data)
         for fault in self._faults:
             data = fault.sent(data)
         if data:
@@ -82,12 +85,18 @@ class UartWire:
         queue = self._queue
         if not queue:
             return 0
-        return sum(len(piece.data) for piece in queue) - queue[0].ended_by(self.time.now)
+        count = -queue[0].ended_by(self.time.now)
+        for piece in queue:
+            count += len(piece.data)
+        return count
 
     @property
     def free(self) -> int | None:
         """Room for further bytes; None: any number."""
-        return None if self.capacity is None else max(0, self.capacity - self.queued)
+        if self.capacity is None:
+            return None
+        free = self.capacity - self.queued
+        return free if free > 0 else 0
 
     @property
     def busy_ns(self) -> int:
@@ -120,6 +129,12 @@ class UartWire:
         if rate_of is not None:
             rate_of._followers.append(receiver)
         self.attach(receiver)
+
+    def connect_late(self) -> LateReceiver:
+        """A listener that is not called but asked."""
+        receiver = LateReceiver(self.time)
+        self.attach(receiver)
+        return receiver
 
     def attach(self, receiver: LineReceiver) -> None:
         """Connect a receiver; it hears what is sent from now on."""

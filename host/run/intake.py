@@ -42,7 +42,7 @@ DATING = (frames.SOLUTION, frames.STATUS)
 
 
 class LinkIntake:
-    """Listens at the host port of one board. `flush` hands over what has come since the last time."""
+    """Understands the host port of one board. `flush` hands over what has come since the last time."""
 
     def __init__(
         self,
@@ -65,14 +65,16 @@ class LinkIntake:
         self._bytes = bytearray()
         self._last_solution_ns = -1
         self._dating: dict[int, bytes] = {}
-        board.from_board[port].connect(self)
+        self.gather: Callable[[], None] = _nothing
+        """Brings what has come over the wires, called first of all in `flush`."""
 
-    def receive(self, data: bytes, _time_ns: int) -> None:
-        """A chunk of the board's output has ended."""
+    def receive(self, data: bytes) -> None:
+        """Bytes of the board's output."""
         self._bytes += data
 
     def flush(self, now_ns: int) -> None:
         """Decode, pair with the truth, and give everything to the recorder."""
+        self.gather()
         payloads: dict[int, list[bytes]] = {kind: [] for kind in frames.PAYLOADS}
         for kind, payload in self.decoder.feed_raw(bytes(self._bytes)):
             if kind in payloads:
@@ -173,6 +175,10 @@ class LinkIntake:
         truth = self._world.truth(times_ns)
         rotation = self._installation.C_b_s.T
         return np.hstack([truth.bias_g @ rotation, truth.bias_a @ rotation])
+
+
+def _nothing() -> None:
+    pass
 
 
 def _rows(kind: int, payloads: dict[int, list[bytes]]) -> list[tuple[float, ...]]:

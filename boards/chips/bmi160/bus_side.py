@@ -152,6 +152,8 @@ class BusSide(ABC):
 
     def read_registers(self, address: int, count: int, time_ns: int) -> bytes:
         """A burst read as of `time_ns`."""
+        if self._core.holds_still(address, count, time_ns) and time_ns >= self._settled_ns:
+            return self._core.read_still(address, count, time_ns)
         self._before_access(time_ns)
         data = self._core.read(address, count, time_ns)
         if address <= FIFO_DATA < address + count:

@@ -123,6 +123,27 @@ class Core:
             self._touched.clear()
         return bytes(data)
 
+    def holds_still(self, first: int, count: int, time_ns: int) -> bool:
+        """Whether a read touches only identity, errors, power and set-up, and no command is under way: then
+        neither samples nor interrupts need to be worked off for it (a health check reads just these)."""
+        if self.commands.next_due is not None:
+            return False
+        return first + count <= GYR_DATA or (first >= ACC_CONF and first + count <= 0x80)
+
+    def read_still(self, first: int, count: int, time_ns: int) -> bytes:
+        """A burst that `holds_still`."""
+        if first < GYR_DATA:
+            self._refresh_identity()
+        read = self.registers.read
+        return bytes(
+            [read((first + offset) & 0x7F, time_ns, running_on=offset > 0) for offset in range(count)]
+        )
+
+    def _refresh_identity(self) -> None:
+        values = self.registers.values
+        values[ERR_REG] = self._error_code << 1 | (DROPPED_COMMAND if self.commands.dropped else 0)
+        values[PMU_STATUS] = self.data.power.status()
+
     def _read_fifo(self, count: int, time_ns: int) -> bytes:
         counter = (self.data.clock.tick(time_ns) & COUNTER_MASK).to_bytes(3, "little")
         data = self.data.fifo.read(count, counter if self.data.feed.time_enabled else None)
@@ -158,8 +179,7 @@ class Core:
         values, data = self.registers.values, self.data
         tick = data.clock.tick(time_ns)
         if first <= PMU_STATUS:
-            values[ERR_REG] = self._error_code << 1 | (DROPPED_COMMAND if self.commands.dropped else 0)
-            values[PMU_STATUS] = data.power.status()
+            self._refresh_identity()
         if first < SENSORTIME and end > GYR_DATA:
             values[GYR_DATA : GYR_DATA + 12] = data.sampler.registers(tick)
         if first < STATUS and end > SENSORTIME:

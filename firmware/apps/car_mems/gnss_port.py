@@ -17,6 +17,8 @@ from hal.board_io import BoardIo
 
 POWER_ON_BAUD = 9600
 FAST_BAUD = 115_200
+QUIET_LOOKS = 2
+"""Looks of the background at a silent port: the silence ends a burst, after that there is nothing to see."""
 
 
 class GnssPort:
@@ -37,6 +39,7 @@ class GnssPort:
         self._update_cost = io.cpu.cost("filter_update")
         self._navigation = navigation
         self._parsed = 0
+        self._quiet_looks = 0
         self._enable = io.outputs["gnss_enable"]
         self._line = io.interrupts.attach("gnss_receive", self._on_bytes)
         self._filter = io.interrupts.attach("filter", self._on_epoch)
@@ -60,7 +63,9 @@ class GnssPort:
     def service(self) -> None:
         """From the background: next step of the configuration; a silence ends a burst."""
         self._configurator.step(self._now_ns())
-        self._line.pend()
+        if self._quiet_looks < QUIET_LOOKS:
+            self._quiet_looks += 1
+            self._line.pend()
 
     def _on_pulse(self) -> None:
         assert self._capture is not None
@@ -73,6 +78,7 @@ class GnssPort:
         if received > self._parsed:
             self._cpu.spend(self._parse_cost * (received - self._parsed))
             self._parsed = received
+            self._quiet_looks = 0
         while self.stream.take(received, now_ns):
             self._date_epoch()
 

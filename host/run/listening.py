@@ -1,0 +1,117 @@
+"""The host's ears: what came over the board's wires, handed to digest, capture and intake in batches.
+
+Nobody on this side is in a hurry, so the wires keep what was sent (`LateReceiver`) and no event is spent on
+it: asked every `CAPTURE_NS` of virtual time while there is a capture, else when a batch is scored.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+
+from boards.assembly import AssembledBoard
+from hal.can import CanFrame
+from hal.emulated.uart_receiver import LateReceiver
+from hal.emulated.uart_wire import UartWire
+from host.capture.writer import CaptureWriter, UartRecorder
+
+CAPTURE_NS = 160_000_000
+"""With the capture's own 0.8 s this keeps what a killed process loses below a second."""
+
+
+class WireEar:
+    """One direction of one UART."""
+
+    def __init__(self, wire: UartWire, record: UartRecorder | None) -> None:
+        self._receiver: LateReceiver = wire.connect_late()
+        self._record = record
+
+    def take(self) -> bytes:
+        """All bytes that have ended since the last time; every piece goes to the capture."""
+        pieces = self._receiver.pieces()
+        if self._record is not None:
+            for data, end_ns in pieces:
+                self._record(end_ns, data)
+        return b"".join([data for data, _end_ns in pieces])
+
+
+class Ears:
+    """Listens to every wire. `hexdigest` is the run's state hash: SHA-256 over what the board sent on each
+    wire, wire by wire, and its final navigation state."""
+
+    def __init__(
+        self,
+        board: AssembledBoard,
+        host_port: str,
+        to_host: Callable[[bytes], None],
+        capture: CaptureWriter | None,
+    ) -> None:
+        self._board = board
+        self._host_port = host_port
+        self._to_host = to_host
+        self._capture = capture
+        self._from_board = {
+            port: WireEar(wire, self._uart_recorder(port, "tx")) for port, wire in board.from_board.items()
+        }
+        self._to_board = [
+            WireEar(wire, self._uart_recorder(port, "rx"))
+            for port, wire in board.to_board.items()
+            if capture is not None
+        ]
+        self._can_bytes = {name: bytearray() for name in board.can_buses}
+        self._hashes = {name: hashlib.sha256() for name in (*board.from_board, *board.can_buses)}
+        for name, bus in board.can_buses.items():
+            bus.listen(self._can_listener(name))
+        if capture is not None:
+            for name, device in board.spi_devices.items():
+                device.observer = capture.spi_recorder(f"{device.bus.name}.{name}")
+            board.time.at(CAPTURE_NS, self._again)
+
+    def hand_on(self) -> None:
+        """Give everything that has come by now to those who wait for it."""
+        for port, ear in self._from_board.items():
+            data = ear.take()
+            if data:
+                self._hashes[port].update(data)
+                if port == self._host_port:
+                    self._to_host(data)
+        for ear in self._to_board:
+            ear.take()
+        for name, heard in self._can_bytes.items():
+            self._hashes[name].update(heard)
+            heard.clear()
+
+    def hexdigest(self) -> str:
+        """The hash, after the run."""
+        whole = hashlib.sha256()
+        for digest in self._hashes.values():
+            whole.update(digest.digest())
+        for program in self._board.programs.values():
+            whole.update(program.memory())
+        return whole.hexdigest()
+
+    def _again(self) -> int:
+        self.hand_on()
+        return self._board.time.now + CAPTURE_NS
+
+    def _uart_recorder(self, port: str, direction: str) -> UartRecorder | None:
+        return None if self._capture is None else self._capture.uart_recorder(port, direction)
+
+    def _can_listener(self, name: str) -> Callable[[CanFrame, int], None]:
+        heard = self._can_bytes[name]
+        if self._capture is None:
+
+            def hear(frame: CanFrame, _end_ns: int) -> None:
+                nonlocal heard
+                heard += frame[1]
+
+            return hear
+        record = self._capture.can_recorder(name)
+
+        def hear_and_record(frame: CanFrame, end_ns: int) -> None:
+            nonlocal heard
+            identifier, data, extended = frame
+            heard += data
+            record(end_ns, identifier, extended, data)
+
+        return hear_and_record
