@@ -22,7 +22,6 @@ LARGEST = np.float32(1.0e12)
 INDEX_MASK = 63
 """Tells the compiler that an index is not negative; it then leaves out Python's wrap-around."""
 N = np.int32(at.STATES)
-ONE_STEP = np.int32(1)
 
 
 @kernel
@@ -35,7 +34,7 @@ def project(f, row):
     for k in range(N):
         hk = f[h + k]
         if hk != ZERO:
-            for j in range(k + ONE_STEP, N):
+            for j in range(np.int32(k + 1), N):
                 f[out + j] += hk * f[at.U + j * at.STATES + k]
 
 
