@@ -95,7 +95,18 @@ class Site:
             if key not in defaults:
                 known = ", ".join(f"{name} = {default!r}" for name, default in defaults.items()) or "none"
                 raise ValueError(f"parameters.{key} = {value!r} is unknown; parameters are: {known}")
+            if not _is_like(value, defaults[key]):
+                raise ValueError(
+                    f"parameters.{key} = {value!r} is of the wrong kind; for example {key} = {defaults[key]!r}"
+                )
         return {**defaults, **self.fault.parameters}
+
+
+def _is_like(value: Any, example: Any) -> bool:
+    """Whether a parameter is of the kind of its default; a whole number may stand for any number."""
+    if isinstance(example, float):
+        return isinstance(value, int | float) and not isinstance(value, bool)
+    return type(value) is type(example)
 
 
 def _target(fault: Fault, table: Any, what: str) -> Any:

@@ -44,7 +44,7 @@ def run(request: RunRequest) -> RunResult:
     check_subnormals()
     with _user_errors():
         setup = resolve(request)
-        check_names(setup.scenario.expect, _parts(setup))
+        check_names(setup.scenario.expect, _parts(setup), str(setup.scenario.path or setup.scenario.name))
     _check_host_port(setup)
     with _user_errors():
         world = World(setup.scenario, request.seed, request.data_dir)
