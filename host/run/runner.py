@@ -13,7 +13,6 @@ import numpy as np
 from boards.assembly import AssembledBoard, assemble
 from boards.description import board_folder
 from boards.validation import DescriptionError
-from firmware.numerics.dialect import kernels_are_kept
 from firmware.numerics.subnormals import check_subnormals
 from hal.board_io import NotNamedError
 from hal.emulated.virtual_time import SECOND
@@ -27,6 +26,7 @@ from host.run.listening import Ears
 from host.run.setup import Setup, resolve
 from host.run.surroundings import Installation, ReceiverSight, Surroundings
 from host.run.usage import bus_use, cpu_use, task_traces
+from host.run.warm_up import warm_up
 from host.score.expectations import check_names
 from host.score.rules import ScoringRules
 from host.sim.scenario.errors import ScenarioError
@@ -84,9 +84,8 @@ class Ready:
 
 
 def _make_ready(request: RunRequest, setup: Setup, world: World) -> Ready:
-    if request.notice is not None and not kernels_are_kept():
-        request.notice("compiling the on-board kernels (first run with these sources, some 15 s) …")
     with _user_errors():
+        warm_up(setup.board, World(setup.scenario, request.seed, request.data_dir), request.notice)
         surroundings = Surroundings(world, request.out_dir)
         board = assemble(setup.board, setup.profile, surroundings)
         faults = place_faults(setup.scenario.fault, board, surroundings.sights, request.seed)
