@@ -156,10 +156,11 @@ class NavConfig:
     # --- health
     gap_periods: float = 2.5
     """A longer interval between two samples is dead time."""
-    bridge_limit: float = 1.0
+    bridge_limit: float = 0.25
     """Dead time up to this is bridged by the mean of the samples around it, beyond by constant velocity."""
-    lost_rate: float = 0.1
-    """Unknown rate and acceleration during dead time."""
+    lost_yaw_rate: float = 0.1
+    """Unknown rates and acceleration during dead time."""
+    lost_tilt_rate: float = 0.02
     lost_force: float = 1.5
     attitude_lost_after: float = 20.0
     """Dead time after which navigation aligns again."""
@@ -194,7 +195,7 @@ def new_state(config: NavConfig, dtype: Any = np.float32) -> tuple[NDArray[Any],
 
 
 _BEGIN_AT_NEVER = [
-    at.TIME, at.FIX_TIME, at.GOOD_TIME, at.EPOCH_VALID, at.LEVELLED_AT, at.START_TIME, at.POSITION_REFUSED_SINCE,
+    at.TIME, at.FIX_TIME, at.GOOD_TIME, at.EPOCH_VALID, at.LEVELLED_AT, at.START_TIME, at.DEAD_UNTIL, at.POSITION_REFUSED_SINCE,
     at.VELOCITY_REFUSED_SINCE, at.HEADING_WRONG_SINCE, at.INNOVATION_TIME,
 ]  # fmt: skip
 
@@ -212,7 +213,8 @@ def _floats(c: NavConfig) -> dict[int, Any]:
         cfg.LONGEST_INTERVAL: c.gap_periods * c.sample_period,
         cfg.BRIDGE_LIMIT: c.bridge_limit,
         cfg.ATTITUDE_LOST: c.attitude_lost_after,
-        cfg.LOST_RATE_SQUARE: c.lost_rate**2,
+        cfg.LOST_YAW_RATE_SQUARE: c.lost_yaw_rate**2,
+        cfg.LOST_TILT_RATE_SQUARE: c.lost_tilt_rate**2,
         cfg.LOST_FORCE_SQUARE: c.lost_force**2,
         cfg.RATE_LIMIT: c.rate_limit,
         cfg.ACCEL_LIMIT: c.accel_limit,
@@ -290,6 +292,7 @@ def _integers(c: NavConfig) -> dict[int, int]:
         cfg.CONSTRAINT_NS: _ns(c.constraint_period - 0.5 * c.sample_period),
         cfg.LEVEL_WINDOWS: math.ceil(c.level_time / c.window),
         cfg.MOTION_NS: _ns(c.motion_time),
+        cfg.WINDOW_NS: _ns(c.window),
         cfg.STUCK_SAMPLES: math.ceil(c.stuck_time / c.sample_period),
     }
 

@@ -1,8 +1,10 @@
 """Time without a plausible inertial sample: position goes on by velocity, and the covariance knows.
 
-What attitude and velocity did meanwhile is unknown up to a rate and an acceleration (`lost_rate`,
-`lost_force`), constant over the dead time T: their standard deviations grow with T, so the variances of an
-interval are the differences of σ² T². After too long, attitude is lost and alignment begins anew.
+What attitude and velocity did meanwhile is unknown up to rates of tilt and yaw and an acceleration
+(`lost_tilt_rate`, `lost_yaw_rate`, `lost_force`), constant over the dead time T: their standard deviations grow
+with T, so the variances of an interval are the differences of σ² T². A GNSS epoch that was valid before the end
+of dead time is compared with a state that knew no better: its variances grow by the same. After too long,
+attitude is lost and alignment begins anew.
 """
 
 import numpy as np
@@ -20,13 +22,15 @@ LONGEST = np.float32(100.0)
 
 
 @kernel
-def lose(f, before, after):
-    """Add to the noise of the interval what dead time from `before` to `after` (s since it began) loses."""
+def lose(f, i, before, after):
+    """Dead time from `before` to `after` (s since it began) up to now: the noise of the interval grows."""
+    i[at.DEAD_UNTIL] = i[at.TIME]
     after = min(after, LONGEST)
     before = min(before, LONGEST)
     a = after * after
     b = before * before
-    f[at.LOST_ANGLE] += f[cfg.LOST_RATE_SQUARE] * (a - b)
+    f[at.LOST_TILT] += f[cfg.LOST_TILT_RATE_SQUARE] * (a - b)
+    f[at.LOST_YAW] += f[cfg.LOST_YAW_RATE_SQUARE] * (a - b)
     f[at.LOST_VELOCITY] += f[cfg.LOST_FORCE_SQUARE] * (a - b)
     f[at.LOST_POSITION] += QUARTER * f[cfg.LOST_FORCE_SQUARE] * (a * a - b * b)
 
@@ -38,9 +42,19 @@ def coast(f, i, t_ns):
     dt = seconds_between(i[at.TIME], t_ns)
     if dt > ZERO:
         move(f, i, f[at.VELOCITY] * dt, f[at.VELOCITY + 1] * dt, f[at.VELOCITY + 2] * dt)
-        lose(f, before, before + dt)
-        f[at.SINCE_TIME] += dt
         i[at.TIME] = t_ns
+        lose(f, i, before, before + dt)
+        f[at.SINCE_TIME] += dt
         remember(f, i)
     i[at.HAVE_SAMPLE] = 0
     report(i, IMU_GAP)
+
+
+@kernel
+def lost_since(f, i, time):
+    """Variances of velocity and position, against now, of a state at `time` before the end of dead time."""
+    if i[at.DEAD_UNTIL] <= time:
+        return ZERO, ZERO
+    dt = seconds_between(time, i[at.TIME])
+    square = f[cfg.LOST_FORCE_SQUARE] * dt * dt
+    return square, QUARTER * square * dt * dt

@@ -12,7 +12,7 @@ from firmware.drivers import gnss_epoch as gnss
 from firmware.nav import layout as at
 from firmware.nav import tuning as cfg
 from firmware.nav.covariance import add_variance
-from firmware.nav.dead_time import coast
+from firmware.nav.dead_time import coast, lost_since
 from firmware.nav.earth import refresh_earth
 from firmware.nav.feedback import clear_correction, correction_is_sound, feed_back
 from firmware.nav.flags import (
@@ -127,6 +127,10 @@ def _correct(f, i, e, time):
     clear_rows(f)
     position = _prepare_position(f, i, e, time)
     velocity = _prepare_velocity(f, i, e, time)
+    lost_velocity, lost_position = lost_since(f, i, time)
+    for k in range(THREE):
+        f[at.VARIANCE + POSITION_ROWS + k] += lost_position
+        f[at.VARIANCE + VELOCITY_ROWS + k] += lost_velocity
     position_weight = weigh_group(f, POSITION_ROWS, position)
     velocity_weight = weigh_group(f, VELOCITY_ROWS, velocity)
     for k in range(np.int32(at.ROW_LIMIT)):

@@ -107,7 +107,7 @@ def _interval(f, i, t_ns, dt):
     i[at.TIME] = t_ns
     if elapsed > f[cfg.LONGEST_INTERVAL]:
         report(i, IMU_GAP)
-        lose(f, ZERO, elapsed - f[cfg.PERIOD])
+        lose(f, i, ZERO, elapsed - f[cfg.PERIOD])
         return elapsed
     return dt if dt > QUARTER * elapsed and dt < FOUR * elapsed else elapsed
 

@@ -88,10 +88,11 @@ SINCE_FORCE = 77
 SINCE_C_N_B = 79
 PARAMETER_TIME = 88
 """s since process noise was last added to the parameters."""
-LOST_ANGLE = 89
-"""Extra variances of dead time: attitude rad², velocity (m/s)², position m²."""
-LOST_VELOCITY = 90
-LOST_POSITION = 91
+LOST_TILT = 89
+"""Extra variances of dead time: tilt and yaw rad², velocity (m/s)², position m²."""
+LOST_YAW = 90
+LOST_VELOCITY = 91
+LOST_POSITION = 92
 
 # --- f: covariance P = U D Uᵀ ---
 U = 96
@@ -212,7 +213,9 @@ INNOVATION_MASK = 29
 CONSTRAINT_DUE = 30
 AGO_LATITUDE = 31
 AGO_LONGITUDE = 32
-UPDATES = 33
+DEAD_UNTIL = 33
+"""End of the last dead time."""
+UPDATES = 34
 """GNSS epochs absorbed."""
 
 EVENT_TIME = 40

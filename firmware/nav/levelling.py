@@ -127,5 +127,10 @@ def _level(f, i, count):
     stand_on_plane(f, np.float32(math.sqrt(x * x + side * side)))
     i[at.LEVELLED_AT] = i[at.TIME]
     i[at.MODE] = WAITING_FOR_HEADING
+    # it was so for the whole window: epochs valid within it find this state
+    now = i[at.TIME]
     clear_history(i)
+    i[at.TIME] = now - i[cfg.WINDOW_NS]
+    remember(f, i)
+    i[at.TIME] = now
     remember(f, i)

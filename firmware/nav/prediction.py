@@ -46,7 +46,8 @@ def begin_interval(f):
         f[at.SINCE_VELOCITY + k] = f[at.VELOCITY + k]
     for k in range(np.int32(9)):
         f[at.SINCE_C_N_B + k] = f[at.C_N_B + k]
-    f[at.LOST_ANGLE] = ZERO
+    f[at.LOST_TILT] = ZERO
+    f[at.LOST_YAW] = ZERO
     f[at.LOST_VELOCITY] = ZERO
     f[at.LOST_POSITION] = ZERO
 
@@ -184,12 +185,12 @@ def _add_noise(f, t):
     ay = f[at.VELOCITY + 1] - f[at.SINCE_VELOCITY + 1]
     manoeuvre = (ax * ax + ay * ay) * f[cfg.MANOEUVRE_VARIANCE] / t
     velocity = f[cfg.VELOCITY_WALK_VARIANCE] * t + manoeuvre + f[at.LOST_VELOCITY]
-    attitude = f[cfg.ANGLE_WALK_VARIANCE] * t + f[at.LOST_ANGLE]
+    attitude = f[cfg.ANGLE_WALK_VARIANCE] * t
     position = f[cfg.POSITION_WALK_VARIANCE] * t + f[at.LOST_POSITION]
     for k in range(THREE):
         add_variance(f, at.X_POSITION + k, position)
         add_variance(f, at.X_VELOCITY + k, velocity)
-        add_variance(f, at.X_ATTITUDE + k, attitude)
+        add_variance(f, at.X_ATTITUDE + k, attitude + (f[at.LOST_YAW] if k == 2 else f[at.LOST_TILT]))
 
 
 @kernel
@@ -204,9 +205,7 @@ def _walk_parameters(f, t):
         factor = _decay(f, at.X_GNSS_ERROR + k, t * f[cfg.PER_POSITION_ERROR_TIME])
         add_variance(f, at.X_GNSS_ERROR + k, (ONE - factor * factor) * variance)
         factor = _decay(f, at.X_GYRO_INSTABILITY + k, t * f[cfg.PER_INSTABILITY_TIME])
-        add_variance(
-            f, at.X_GYRO_INSTABILITY + k, (ONE - factor * factor) * f[cfg.GYRO_INSTABILITY_VARIANCE]
-        )
+        add_variance(f, at.X_GYRO_INSTABILITY + k, (ONE - factor * factor) * f[cfg.GYRO_INSTABILITY_VARIANCE])
         _decay(f, at.X_GYRO_DRIFT + k, t * f[cfg.PER_GYRO_DRIFT_TIME])
         add_variance(f, at.X_GYRO_DRIFT + k, t * f[cfg.GYRO_DRIFT_WALK_VARIANCE])
         add_variance(f, at.X_GYRO_BIAS + k, t * f[cfg.GYRO_BIAS_WALK_VARIANCE])

@@ -2,8 +2,8 @@
 
 Error definition, for whoever scores: errors are truth minus solution; δr and δv in NED (m, m/s); φ in NED (rad)
 with C_n_b(true) = (I + [φ×]) C_n_b(solution), so φ is the vector part of 2 q_true ⊗ q_solution*. The sigmas of
-attitude are those of φ north, east, down. Before navigation begins the position is that of the last fix, and
-what is not known has a sigma of its whole range.
+attitude are those of φ north, east, down. Before navigation begins the position is that of the last fix,
+carried on by its velocity, and what is not known has a sigma of its whole range.
 """
 
 import math
@@ -15,8 +15,15 @@ from firmware.nav import layout as at
 from firmware.nav import tuning as cfg
 from firmware.nav.covariance import element
 from firmware.numerics.dialect import kernel
-from firmware.numerics.fixed_position import nanodegrees_of_units
+from firmware.numerics.fixed_position import (
+    add_to_latitude,
+    add_to_longitude,
+    nanodegrees_of_units,
+    radians_of_units,
+)
 from firmware.numerics.quaternion import euler_of_quaternion
+from firmware.numerics.trigonometry import sine_cosine
+from firmware.numerics.wide_integers import float32_of_int64
 
 ZERO = np.float32(0.0)
 TWO = np.float32(2.0)
@@ -24,6 +31,9 @@ PI = np.float32(3.14159265358979)
 UNKNOWN_POSITION = np.float32(1.0e7)
 UNKNOWN_VELOCITY = np.float32(1.0e3)
 LEVEL_SIGMA = np.float32(0.05)
+SECONDS_PER_NS = np.float32(1.0e-9)
+PER_EARTH_RADIUS = np.float32(1.0 / 6.37e6)
+LEAST_COS = np.float32(1.0e-3)
 ONE = np.int64(1)
 THREE = np.int32(3)
 
@@ -91,9 +101,16 @@ def _navigated(f, i, floats, integers):
 @kernel
 def _before_navigation(f, i, floats, integers):
     fixed = i[at.FIX_TIME] != at.NEVER
-    integers[LAT_NANODEG] = nanodegrees_of_units(i[at.FIX_LATITUDE])
-    integers[LON_NANODEG] = nanodegrees_of_units(i[at.FIX_LONGITUDE])
-    floats[HEIGHT] = f[at.GNSS_FIX]
+    age = i[at.TIME] - i[at.FIX_TIME]
+    lost = not fixed or age > i[cfg.GNSS_LOST_NS]
+    dt = ZERO if lost else float32_of_int64(age) * SECONDS_PER_NS
+    latitude = i[at.FIX_LATITUDE]
+    _, cos_lat = sine_cosine(radians_of_units(latitude))
+    angle = dt * PER_EARTH_RADIUS
+    east = f[at.GNSS_FIX + 2] * angle / max(cos_lat, LEAST_COS)
+    integers[LAT_NANODEG] = nanodegrees_of_units(add_to_latitude(latitude, f[at.GNSS_FIX + 1] * angle))
+    integers[LON_NANODEG] = nanodegrees_of_units(add_to_longitude(i[at.FIX_LONGITUDE], east))
+    floats[HEIGHT] = f[at.GNSS_FIX] - f[at.GNSS_FIX + 3] * dt
     for k in range(THREE):
         floats[VELOCITY + k] = f[at.GNSS_FIX + 1 + k]
         variance = f[at.GNSS_FIX + 5] if k == 2 else f[at.GNSS_FIX + 4]

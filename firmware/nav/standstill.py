@@ -113,7 +113,9 @@ def rest_updates(f, i):
         f[at.ROWS + row * at.STATES + at.X_GYRO_BIAS + k] = ONE
         f[at.ROWS + row * at.STATES + at.X_GYRO_INSTABILITY + k] = ONE
         earth = f[c + k] * north + f[c + 6 + k] * down
-        f[at.RESIDUAL + row] = f[at.WINDOW_MEAN + k] - f[at.GYRO_BIAS + k] - f[at.GYRO_INSTABILITY + k] - earth
+        f[at.RESIDUAL + row] = (
+            f[at.WINDOW_MEAN + k] - f[at.GYRO_BIAS + k] - f[at.GYRO_INSTABILITY + k] - earth
+        )
         f[at.VARIANCE + row] = f[cfg.ZERO_RATE_VARIANCE]
     if weigh_group(f, 3, 3) <= f[cfg.GATE_3]:
         absorb_group(f, 3, 3)
