@@ -1,0 +1,82 @@
+"""Benchmark of the car_mems board.
+
+python -m host.bench               speed, shares and start-up: about five minutes of a quiet core at most
+python -m host.bench --memory      also a run of ten hours beside one of one hour
+python -m host.bench --json FILE   the figures as JSON ("-": standard output)
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+WANTED = {
+    "real_time_factor": 1440.0,
+    "real_time_factor_with_capture": 1000.0,
+    "help_s": 0.4,
+    "start_s": 1.5,
+}
+HOUR_S = 3600.0
+
+
+def main() -> None:
+    """Measure, print, and write."""
+    parser = argparse.ArgumentParser(prog="python -m host.bench", description=__doc__)
+    parser.add_argument("--json", metavar="FILE", help='write the figures ("-": standard output)')
+    parser.add_argument("--memory", action="store_true", help="compare ten hours with one")
+    parser.add_argument("--repeats", type=int, default=3, help="runs of which the best counts")
+    parser.add_argument("--duration", type=float, help="seconds of the drive (default: all)")
+    options = parser.parse_args()
+    if hasattr(os, "sched_setaffinity"):
+        os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
+    from host.bench import measure
+
+    figures: dict[str, Any] = measure.speed(options.repeats, options.duration)
+    bare = min(measure.bare_kernel_us() for _ in range(options.repeats))
+    figures["bare_kernel_us"] = bare
+    figures["ratio_to_bare_kernel"] = figures["microseconds_per_tick"] / bare
+    figures["help_s"] = measure.help_s(options.repeats)
+    figures["start_s"] = measure.start_s(options.repeats)
+    if options.memory:
+        figures["memory"] = measure.memory_growth_mb(HOUR_S, 10.0 * HOUR_S)
+    text = json.dumps(figures, indent=1) + "\n"
+    if options.json == "-":
+        sys.stdout.write(text)
+        return
+    if options.json:
+        Path(options.json).write_text(text)
+    _show(figures)
+
+
+def _show(figures: dict[str, Any]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("figure", "measured", "wanted", title="car_mems, town-open, full-rate, one core")
+    for name, unit in (
+        ("real_time_factor", "×"),
+        ("real_time_factor_with_capture", "×"),
+        ("help_s", "s"),
+        ("start_s", "s"),
+    ):
+        digits = 0 if unit == "×" else 2
+        table.add_row(name, f"{figures[name]:,.{digits}f} {unit}", f"{WANTED[name]:,g} {unit}")
+    table.add_row("bare_kernel_us", f"{figures['bare_kernel_us']:.2f} µs", "")
+    table.add_row("ratio_to_bare_kernel", f"{figures['ratio_to_bare_kernel']:.1f}", "")
+    if "memory" in figures:
+        table.add_row("memory growth, 1 h to 10 h", f"{figures['memory']['growth_mb']:.0f} MB", "50 MB")
+    where = Table("where (sampled)", "µs a tick of 10 ms", title="where the time goes, without capture")
+    for room, microseconds in figures["shares_us"].items():
+        where.add_row(room, f"{microseconds:.2f}")
+    where.add_row("together", f"{figures['microseconds_per_tick']:.2f}")
+    console = Console()
+    console.print(table)
+    console.print(where)
+
+
+if __name__ == "__main__":
+    main()
