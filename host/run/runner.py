@@ -104,6 +104,10 @@ def _run(request: RunRequest, setup: Setup, world: World, ready: Ready, recorder
     for name, cpu in board.cpus.items():
         for at_ns, cause in cpu.resets:
             recorder.add_event(at_ns, name, f"processor reset: {cause}")
+    for refdes, chip in board.chips.items():
+        for report in getattr(chip, "reports", ()):
+            told = f"{report.kind.value}: {report.register}: {report.detail}, {report.count} times"
+            recorder.add_event(report.first_ns, refdes, told)
     duration_ns = world.duration_ns
     return recorder.finish(
         duration_s=duration_ns / SECOND,

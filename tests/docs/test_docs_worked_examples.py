@@ -50,6 +50,15 @@ def test_the_chip_tells_gravity(places):
     assert all(abs(value + 1000) < 150 for value in told)
 
 
+def test_what_the_model_leaves_out_is_an_event_of_the_run(tmp_path):
+    write_files("docs/add-a-chip.md", tmp_path)
+    program = tmp_path / "plumb" / "plumb_program.py"
+    program.write_text(program.read_text().replace("(0x01, 0x01)", "(0x01, 0x11)"))
+    result = json.loads(navtwin(["run", "plumb", "--no-capture", "-q", "--json", "-"], tmp_path).stdout)
+    told = [event for event in result["events"] if event["source"] == "U1"]
+    assert [event["text"] for event in told] == ["not modelled: CTRL: self-test, 1 times"]
+
+
 def test_the_tests_of_the_chip_pass(places):
     folder = places["docs/add-a-chip.md"] / "plumb"
     environment = {**os.environ, "PYTHONPATH": f"{ROOT}{os.pathsep}{folder}"}
