@@ -66,6 +66,7 @@ class EmulatedCpu:
         self.resets: list[tuple[int, str]] = []
         self.trace: list[tuple[int, int, int]] | None = None
         """(bit of the line, start, end) in ns, while recording; at most TRACE_LENGTH entries."""
+        self._tracing = False
         self.reset_hooks: list[Callable[[], None]] = []
         """Called when the processor resets: every peripheral falls back to its state after power-on."""
         self._enabled = 0
@@ -150,6 +151,12 @@ class EmulatedCpu:
     def start_trace(self) -> None:
         """Record the next TRACE_LENGTH activations in `trace`."""
         self.trace = []
+        self._tracing = True
+
+    def _trace(self, bit: int, start: int, end: int) -> None:
+        assert self.trace is not None
+        self.trace.append((bit, start, end))
+        self._tracing = len(self.trace) < TRACE_LENGTH
 
     def virtual_ns(self, clock_ns: int) -> int:
         """The virtual time at which this processor's clock showed `clock_ns` (since its last reset)."""
@@ -249,12 +256,13 @@ class EmulatedCpu:
                 line.worst_busy_ns = busy
             if start - requested > line.worst_start_ns:
                 line.worst_start_ns = start - requested
-            if end - requested > line.worst_response_ns:
-                line.worst_response_ns = end - requested
-            if end - requested > line.deadline_ns:
+            response = end - requested
+            if response > line.worst_response_ns:
+                line.worst_response_ns = response
+            if response > line.deadline_ns:
                 line.deadline_misses += 1
-            if self.trace is not None and len(self.trace) < TRACE_LENGTH:
-                self.trace.append((bit, start, end))
+            if self._tracing:
+                self._trace(bit, start, end)
             outer_nested_ns += end - start
             self.open_lines = outer.open if outer is not None else self._thread_open
         self._running = outer

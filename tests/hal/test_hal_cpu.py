@@ -208,7 +208,7 @@ def test_trace_shows_who_worked_when() -> None:
     cpu = processor()
     works(cpu, "low", 1000, [])
     works(cpu, "high", 200, [])
-    cpu.trace = []
+    cpu.start_trace()
     request_at(cpu, "low", 1000)
     request_at(cpu, "high", 5000)
     cpu.spend(5000)
