@@ -67,6 +67,7 @@ def enter_navigation(f, i):
     i[at.HEADING_WRONG_SINCE] = at.NEVER
     i[at.PATIENCE_NS] = i[cfg.REJOIN_AFTER_NS]
     i[at.CONSTRAINT_DUE] = i[at.TIME]
+    i[at.CHECK_DUE] = i[at.TIME]
     f[at.PARAMETER_TIME] = ZERO
     for k in range(np.int32(4)):
         f[at.SIDE_SPEED + k] = ZERO

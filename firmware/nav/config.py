@@ -168,6 +168,8 @@ class NavConfig:
     """Without a good sample for so long, the state goes on by velocity."""
     stuck_time: float = 0.5
     """Six readings unchanged for so long while moving are no measurement."""
+    check_period: float = 0.5
+    """How often the whole state is looked over, and Earth and gravity refreshed."""
     uncertain_position: float = 100.0
     """Horizontal 1 σ above which the mode is degraded."""
 
@@ -292,6 +294,7 @@ def _integers(c: NavConfig) -> dict[int, int]:
         cfg.CONSTRAINT_NS: _ns(c.constraint_period - 0.5 * c.sample_period),
         cfg.LEVEL_WINDOWS: math.ceil(c.level_time / c.window),
         cfg.MOTION_NS: _ns(c.motion_time),
+        cfg.CHECK_NS: _ns(c.check_period),
         cfg.WINDOW_NS: _ns(c.window),
         cfg.STUCK_SAMPLES: math.ceil(c.stuck_time / c.sample_period),
     }

@@ -145,9 +145,12 @@ def clear(f):
 
 @kernel
 def is_sound(f):
-    """Whether D is finite and not negative; NaN anywhere in U reaches D with the next update."""
+    """Whether D is finite and not negative, and U finite: what is not spreads with every update."""
     for j in range(N):
         d = f[at.D + j]
         if not (d >= ZERO and d < LARGEST):
             return False
-    return True
+    total = ZERO
+    for k in range(np.int32(at.STATES * at.STATES)):
+        total += abs(f[at.U + k])
+    return total < LARGEST

@@ -1,10 +1,10 @@
-"""The Earth under the vehicle: WGS-84 radii, Earth rate and normal gravity, refreshed with the covariance.
+"""The Earth under the vehicle: WGS-84 radii, Earth rate and normal gravity, refreshed twice a second.
 
     R_M = a (1 − e²) / (1 − e² sin²φ)^(3/2)        R_N = a / √(1 − e² sin²φ)
     g   = g_e (1 + k sin²φ) / √(1 − e² sin²φ) · (1 − 2h/a (1 + f + m − 2f sin²φ) + 3h²/a²)
 
 NIMA TR8350.2, third edition, eqs. 4-1 and 4-3. In float32 the radii are good to 0.5 m and gravity to 1e-6
-m/s². Within 100 m/s the values change by less than 1e-6 of themselves over a refresh interval of 0.1 s.
+m/s². Within 100 m/s the values change by less than 1e-5 of themselves over a refresh interval of 0.5 s.
 """
 
 import math

@@ -2,8 +2,8 @@
 
 What follows depends on the mode: while levelling the samples are gathered; levelled, attitude and velocity
 run on a flat Earth until yaw is known; navigating, the strapdown runs on the ellipsoid, the covariance follows
-every `covariance_period`, the constraint of the vehicle every `constraint_period`, and each window of a second
-is asked whether it was a rest.
+every `covariance_period`, the constraint of the vehicle every `constraint_period`, each window of a second is
+asked whether it was a rest, and twice a second all is looked over.
 """
 
 import numpy as np
@@ -151,6 +151,8 @@ def _follow_up(f, i, dt):
     f[at.SINCE_FORCE + 1] += dt * f[at.FORCE_B + 1]
     if not f[at.SINCE_TIME] < f[cfg.COVARIANCE_PERIOD]:
         predict(f)
+    if i[at.TIME] >= i[at.CHECK_DUE]:
+        i[at.CHECK_DUE] = i[at.TIME] + i[cfg.CHECK_NS]
         if not is_sound(f):
             restart(f, i)
             return

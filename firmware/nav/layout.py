@@ -65,7 +65,7 @@ DELTA_VELOCITY = 54
 RAW = 57
 """Last sample as it came (6), in sensor axes: for stuck sensors."""
 
-# --- f: the Earth at the present place (refreshed with the covariance) ---
+# --- f: the Earth at the present place (refreshed at each check) ---
 EARTH_RATE_N = 63
 EARTH_RATE_D = 64
 PER_MERIDIAN_RADIUS = 65
@@ -215,7 +215,8 @@ AGO_LATITUDE = 31
 AGO_LONGITUDE = 32
 DEAD_UNTIL = 33
 """End of the last dead time."""
-UPDATES = 34
+CHECK_DUE = 34
+UPDATES = 35
 """GNSS epochs absorbed."""
 
 EVENT_TIME = 40
