@@ -66,7 +66,7 @@ class AssembledBoard:
     """Chip models by reference designator."""
     nets: dict[str, Net] = field(default_factory=dict)
     logs: dict[str, EmulatedLogFile] = field(default_factory=dict)
-    _ports: dict[str, EmulatedUart] = field(default_factory=dict)
+    ports: dict[str, EmulatedUart] = field(default_factory=dict)
     _can_ports: dict[str, EmulatedCanController] = field(default_factory=dict)
 
     @property
@@ -119,12 +119,15 @@ def _wires(board: AssembledBoard) -> None:
         if bus.kind == "spi":
             board.spi_buses[name] = EmulatedSpiBus(cpu, SpiTiming(bus.clock_hz), name)
         else:
-            board.i2c_buses[name] = EmulatedI2cBus(cpu, bus.clock_hz, name)
+            try:
+                board.i2c_buses[name] = EmulatedI2cBus(cpu, bus.clock_hz, name)
+            except ValueError as error:
+                raise DescriptionError(f"buses.{name}.clock_hz = {bus.clock_hz}: {error}") from None
     for name, port in description.uarts.items():
         outward = UartWire(board.time, port.baud, f"{name}.tx", TX_QUEUE_BYTES)
         inward = UartWire(board.time, port.baud, f"{name}.rx")
         board.from_board[name], board.to_board[name] = outward, inward
-        board._ports[name] = EmulatedUart(board.cpus[port.processor], outward, inward, name)
+        board.ports[name] = EmulatedUart(board.cpus[port.processor], outward, inward, name)
     for name, can in description.can.items():
         board.can_buses[name] = EmulatedCanBus(board.time, can.bitrate, name)
         board._can_ports[name] = EmulatedCanController(board.cpus[can.processor], board.can_buses[name])
@@ -144,6 +147,7 @@ def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Su
             f"chips.{refdes}.parameters = {chip.parameters!r} do not suit {chip.model}: {error}"
         ) from None
     board.chips[refdes] = placed
+    _check_wiring(board.description, refdes, chip, placed)
     for pin, net in chip.pins.items():
         placed.pins[pin] = board.net(net)
     if chip.bus is not None:
@@ -155,6 +159,27 @@ def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Su
     if chip.supply is not None:
         placed.power(False)
         board.net(chip.supply).listen(lambda level, _time_ns: placed.power(level))
+
+
+def _check_wiring(description: Board, refdes: str, chip: Chip, placed: Any) -> None:
+    """Pins that the chip does not have, a supply that nobody switches, a clock mode it does not know."""
+    for pin in chip.pins:
+        if pin not in placed.pins:
+            raise DescriptionError(
+                f"chips.{refdes}.pins names {pin!r}; a {chip.part} has the pins {', '.join(placed.pins)}"
+            )
+    outputs = [pin.net for pin in description.pins.values() if pin.use == "output" and pin.wired]
+    if chip.supply is not None and chip.supply not in outputs:
+        raise DescriptionError(
+            f"chips.{refdes}.supply = {chip.supply!r}: no output pin drives that net; "
+            f"driven are: {', '.join(outputs) or 'none'}"
+        )
+    mode = description.buses[chip.bus].mode if chip.bus is not None else None
+    modes = getattr(placed, "spi_modes", (mode,))
+    if mode is not None and description.buses[str(chip.bus)].kind == "spi" and mode not in modes:
+        raise DescriptionError(
+            f"buses.{chip.bus}.mode = {mode}: a {chip.part} works in SPI modes {', '.join(map(str, modes))}"
+        )
 
 
 def _connect_to_bus(board: AssembledBoard, refdes: str, chip: Chip, placed: Any) -> None:
@@ -193,7 +218,7 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
         watchdog=EmulatedWatchdog(cpu),
         spi=spi,
         i2c={name: board.i2c_buses[name] for name in own_buses if name in board.i2c_buses},
-        uart={name: board._ports[name] for name in mine(description.uarts)},
+        uart={name: board.ports[name] for name in mine(description.uarts)},
         can={name: board._can_ports[name] for name in mine(description.can)},
         outputs={name: EmulatedOutputPin(cpu, net) for name, net in nets("output").items()},
         inputs={name: EmulatedInputPin(cpu, net) for name, net in nets("input").items()},

@@ -33,7 +33,7 @@ class Processor(Facts):
     """One processor, its program ("module:function"), tasks and cycle budgets."""
 
     part: str
-    clock_hz: PositiveInt = Field(examples=[168_000_000])
+    clock_hz: int = Field(ge=1_000_000, le=10_000_000_000, examples=[168_000_000])
     program: str = Field(pattern=r"^[\w.]+:\w+$", examples=["firmware.apps.car_mems.program:program"])
     crystal_error_ppm: FiniteFloat = Field(default=0.0, ge=-500, le=500, examples=[8.0])
     tasks: dict[str, Task] = Field(min_length=1)
@@ -82,6 +82,10 @@ class Chip(Facts):
                     raise ValueError(
                         f"mounting rows {i + 1} and {j + 1} are not orthonormal (product {dot:g})"
                     )
+        a, b, c = rows
+        cross = (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+        if sum(x * y for x, y in zip(cross, c, strict=True)) < 0.0:
+            raise ValueError("mounting is a reflection (determinant −1), not a rotation")
         return self
 
 

@@ -74,6 +74,12 @@ class EmulatedUart:
         errors, self._receiver.errors = self._receiver.errors, 0
         return errors
 
+    @property
+    def errors(self) -> int:
+        """Framing errors and overruns since power-on, whatever the firmware has taken."""
+        self._receiver.fill()
+        return self._receiver.total_errors
+
     def _reset(self) -> None:
         self.tx.abort()
         self.tx.set_baud(self._power_on_baud)
@@ -88,6 +94,7 @@ class _RingReceiver(LineReceiver):
         self._tx = tx
         self.count = 0
         self.errors = 0
+        self.total_errors = 0
         self._ring: bytearray | None = None
         self._interrupt: EmulatedLine | None = None
         self._overrun = False
@@ -116,9 +123,11 @@ class _RingReceiver(LineReceiver):
         if not data:
             return
         self.errors += errors
+        self.total_errors += errors
         ring = self._ring
         if ring is None:
             self.errors += not self._overrun
+            self.total_errors += not self._overrun
             self._overrun = True
             return
         size = len(ring)

@@ -97,7 +97,8 @@ class Site:
                 raise ValueError(f"parameters.{key} = {value!r} is unknown; parameters are: {known}")
             if not _is_like(value, defaults[key]):
                 raise ValueError(
-                    f"parameters.{key} = {value!r} is of the wrong kind; for example {key} = {defaults[key]!r}"
+                    f"parameters.{key} = {value!r} is of the wrong kind;"
+                    f" for example {key} = {defaults[key]!r}"
                 )
         return {**defaults, **self.fault.parameters}
 

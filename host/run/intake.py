@@ -128,7 +128,8 @@ class LinkIntake:
             flags=rows["flags"].astype(np.int64),
             **wide,
         )
-        self._recorder.add_solution(solution, motion(self._world.truth(times_ns)))
+        truth = self._world.antenna_truth(times_ns, self._installation.imu_lever_arm)
+        self._recorder.add_solution(solution, motion(truth))
 
     def _take_gnss(self, rows: list[tuple[float, ...]]) -> None:
         if not rows:

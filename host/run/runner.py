@@ -161,9 +161,13 @@ def _only_sight(surroundings: Surroundings) -> ReceiverSight | None:
 
 def _installation(setup: Setup) -> Installation:
     chips = setup.board.chips.values()
-    mounting = next((chip.mounting for chip in chips if chip.world == "imu"), np.eye(3))
-    lever_arm = next((chip.lever_arm_m for chip in chips if chip.world == "gnss"), np.zeros(3))
-    return Installation(np.array(mounting), np.array(lever_arm))
+    imu = next((chip for chip in chips if chip.world == "imu"), None)
+    receiver = next((chip for chip in chips if chip.world == "gnss"), None)
+    return Installation(
+        C_b_s=np.array(imu.mounting) if imu else np.eye(3),
+        imu_lever_arm=np.array(imu.lever_arm_m) if imu else np.zeros(3),
+        antenna_lever_arm=np.array(receiver.lever_arm_m) if receiver else np.zeros(3),
+    )
 
 
 def _parts(setup: Setup) -> dict[str, list[str]]:

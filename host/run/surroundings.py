@@ -24,6 +24,8 @@ class Installation:
     """Where sensor and antenna sit on the vehicle, as the scorer needs it."""
 
     C_b_s: NDArray[np.float64]
+    imu_lever_arm: NDArray[np.float64]
+    """The navigation point: what the firmware computes is the motion of its sensor."""
     antenna_lever_arm: NDArray[np.float64]
 
 

@@ -9,8 +9,6 @@ from hal.emulated.cpu import EmulatedCpu
 from host.record.result import BusUse, CpuUse, TaskUse
 from host.record.run_data import TaskTrace
 
-BITS_PER_BYTE = 10
-
 
 def cpu_use(board: AssembledBoard, duration_ns: int) -> list[CpuUse]:
     """Load and tasks of every processor."""
@@ -44,16 +42,17 @@ def _one_cpu(name: str, cpu: EmulatedCpu, duration_ns: int) -> CpuUse:
 
 
 def bus_use(board: AssembledBoard, duration_ns: int) -> list[BusUse]:
-    """Load of every SPI bus, UART direction and CAN bus."""
+    """Load of every SPI bus, UART direction and CAN bus; errors as the controllers notice them."""
     buses = [
         BusUse(name, bus.busy_ns / duration_ns, bus.transactions) for name, bus in board.spi_buses.items()
     ]
     for wires in (board.to_board, board.from_board):
-        for wire in wires.values():
-            load = wire.bytes_sent * BITS_PER_BYTE / wire.baud * 1e9 / duration_ns
-            buses.append(BusUse(wire.name, load, wire.bytes_sent, wire.bytes_sent))
+        for name, wire in wires.items():
+            errors = board.ports[name].errors if wires is board.to_board else 0
+            load = wire.busy_ns / duration_ns
+            buses.append(BusUse(wire.name, load, wire.bytes_sent, wire.bytes_sent, errors))
     for name, can in board.can_buses.items():
-        buses.append(BusUse(name, can.busy_ns / duration_ns, can.frames))
+        buses.append(BusUse(name, can.busy_ns / duration_ns, can.frames, errors=can.error_frames))
     return buses
 
 

@@ -33,6 +33,9 @@ _UNDRIVEN = 0xFF
 class BusSide(ABC):
     """The part of the chip that a bus and a supply see; pins and events are `Bmi160`'s."""
 
+    spi_modes = (0, 3)
+    """Clock modes that the part detects by itself (fact sheet section 1)."""
+
     __slots__ = (
         "_answers_from",
         "_burst_ns",

@@ -28,7 +28,12 @@ class GnssPort:
         self.stream = ReceiverStream(baud=POWER_ON_BAUD)
         self.time = GnssTime()
         self.epoch = gnss.new_epoch()
-        """The latest epoch, dated; the filter's and the output's."""
+        """The epoch that the filter works on or has used last; also the output's."""
+        self._waiting = gnss.new_epoch()
+        """The latest epoch, dated; the filter takes it when its turn comes."""
+        self.epochs_skipped = 0
+        """Epochs that another one overtook before the filter's turn."""
+        self._is_waiting = False
         self.epochs = 0
         self.pulse_dated = False
         self._uart = io.uart["gnss"]
@@ -83,16 +88,20 @@ class GnssPort:
             self._date_epoch()
 
     def _date_epoch(self) -> None:
-        epoch = self.epoch
+        epoch = self._waiting
         epoch[:] = self.stream.epoch
         burst_start_ns = int(epoch[gnss.BURST_START_NS])
         valid_ns, self.pulse_dated = self.time.validity(int(epoch[gnss.TIME_OF_DAY_MS]), burst_start_ns)
         epoch[gnss.VALID_NS] = valid_ns
         self.epochs += 1
+        self.epochs_skipped += self._is_waiting
+        self._is_waiting = True
         self._filter.pend()
 
     def _on_epoch(self) -> None:
         navigation = self._navigation
+        self.epoch[:] = self._waiting
+        self._is_waiting = False
         navigation.kernels.gnss_step(navigation.f, navigation.i, self.epoch)
         self._cpu.spend(self._update_cost)
         self.updated()

@@ -6,6 +6,7 @@ Its memory is two flat arrays, `f` and `i`, laid out by `firmware.nav.layout`; b
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -22,7 +23,6 @@ from firmware.nav.flags import NAVIGATING
 from firmware.numerics.dialect import entry_point
 from firmware.numerics.precision import load
 
-MEAN_SAMPLES = 10
 MEAN_PERIOD = 0.1
 
 
@@ -105,6 +105,8 @@ def nav_config(settings: Settings, installation: Mapping[str, Any], pulse_wired:
     lever = np.subtract(installation["gnss"]["lever_arm_m"], installation["imu"]["lever_arm_m"])
     mean = settings.strapdown == "mean"
     choices: dict[str, Any] = {"sample_period": MEAN_PERIOD, "two_sample": False} if mean else {}
+    if settings.initial_yaw_deg is not None:
+        choices["initial_yaw"] = math.radians(settings.initial_yaw_deg)
     if pulse_wired:
         choices["latency_sigma"] = 0.0
     return NavConfig(

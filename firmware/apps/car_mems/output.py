@@ -71,7 +71,8 @@ class Output:
         )
         self._cpu.spend(self._frame_cost)
         if self._can is not None:
-            self._can.send(self._can_frames(f, lat, lon, time_of_day, mode, flags))
+            messages = self._can_frames(f, lat, lon, time_of_day, mode, flags)
+            self.dropped += len(messages) - self._can.send(messages)
             self._cpu.spend(self._can_cost)
 
     def send_epoch(self) -> None:
@@ -179,7 +180,9 @@ class Output:
         self._send(frame)
 
     def _send(self, frame: bytes) -> None:
-        if self._write(frame) != len(frame):
+        if self._uart.tx_free() >= len(frame):
+            self._write(frame)
+        else:
             self.dropped += 1
         if self._log is not None:
             self._log_buffer += frame

@@ -18,6 +18,8 @@ CHOICES: dict[str, tuple[Any, ...]] = {
 }
 """The values that each setting may take; settings of type bool may be true or false."""
 
+ANGLES_DEG = ("initial_yaw_deg",)
+
 
 @dataclass(frozen=True)
 class Settings:
@@ -35,6 +37,8 @@ class Settings:
     aiding: bool = True
     """Non-holonomic constraint and zero-velocity updates."""
     output_rate_hz: int = 10
+    initial_yaw_deg: float | None = None
+    """Heading known at the start, true north; None: taken from the course once the vehicle moves."""
     precision: str = "float32"
     """"float64" runs the same kernels in double precision, for error budgets only."""
 
@@ -46,8 +50,35 @@ class Settings:
             if key not in known:
                 keys = ", ".join(sorted(known))
                 raise ValueError(f"profile key {key!r} (value {value!r}) is unknown; known keys: {keys}")
+            if key in ANGLES_DEG:
+                _check_angle(key, value)
+                continue
             allowed = CHOICES.get(key, (True, False))
             if value not in allowed or isinstance(value, bool) != isinstance(allowed[0], bool):
                 choices = ", ".join(repr(choice) for choice in allowed)
                 raise ValueError(f"profile key {key} = {value!r} is not possible; choose one of {choices}")
-        return cls(**profile)
+        settings = cls(**profile)
+        settings._check_together()
+        return settings
+
+    def _check_together(self) -> None:
+        """Settings that are possible each, but not side by side."""
+        if (self.acquisition == "timer") != (self.strapdown == "mean"):
+            raise ValueError(
+                f"acquisition = {self.acquisition!r} does not go with strapdown = {self.strapdown!r}; "
+                'possible: "timer" with "mean", "data-ready" with "two-sample"'
+            )
+        if self.strapdown == "mean" and self.output_rate_hz > 10:
+            raise ValueError(
+                f"output_rate_hz = {self.output_rate_hz}: strapdown = 'mean' makes ten solutions a second"
+            )
+        if self.receiver == "nmea-default" and self.gnss_rate_hz != 1:
+            raise ValueError(
+                f"gnss_rate_hz = {self.gnss_rate_hz}: receiver = 'nmea-default' leaves it at 1 Hz; "
+                "another rate needs receiver = 'nav-pvt'"
+            )
+
+
+def _check_angle(key: str, value: Any) -> None:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value < 360.0:
+        raise ValueError(f"profile key {key} = {value!r} is no angle from 0 to below 360; for example 62.0")
