@@ -1,0 +1,143 @@
+"""What a person gets wrong: exit code 2, one message that names it, no traceback, nothing half-written."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from host.cli.main import app
+
+PLACE = "\n[place]\nlatitude_deg = 30.0\nlongitude_deg = 114.0\n"
+
+
+def _run(folder: Path, *arguments: str) -> tuple[int, str]:
+    out = folder / "out"
+    result = CliRunner().invoke(app, ["run", *arguments, "-q", "--no-capture", "--out", str(out)])
+    text = result.stderr + str(result.exception or "")
+    assert "Traceback" not in text
+    assert not out.exists()
+    return result.exit_code, text
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("duration_s = = 3", ["not valid TOML", "line 1"]),
+        ("speling = 3" + PLACE, ["unknown key speling = 3"]),
+        ("duration_s = -10.0" + PLACE, ["duration_s = -10.0", "greater than 0", "for example"]),
+        ("duration_s = nan" + PLACE, ["duration_s = NaN", "finite"]),
+        ("duration_ms = 10.0" + PLACE, ["duration_ms", "seconds", "duration_s = 1200.0"]),
+        ("duration_s = 10.0\n[expect]\nnosuch = 1" + PLACE, ["nosuch", "no figure named"]),
+    ],
+)
+def test_scenario_file(tmp_path: Path, text: str, words: list[str]) -> None:
+    file = tmp_path / "drive.toml"
+    file.write_text(text)
+    code, message = _run(tmp_path, "car_mems", "-s", str(file))
+    assert code == 2
+    for word in [*words, "drive.toml"]:
+        assert word in message
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["nosuch"], ["no board 'nosuch'", "car_mems"]),
+        (["car_mems", "-s", "nosuch"], ["--scenario nosuch", "town-open"]),
+        (["car_mems", "-s", "./nosuch.toml"], ["no such file"]),
+        (["car_mems", "-p", "nosuch"], ["--profile nosuch", "full-rate"]),
+        (["car_mems", "--seed", "-3"], ["--seed -3", "--seed 1"]),
+        (["car_mems", "--seed", "abc"], ["--seed", "valid integer"]),
+        (["car_mems", "--set", "nonsense"], ["--set nonsense", "key=value"]),
+        (["car_mems", "--set", "gnss.nosuch=3"], ["unknown key gnss.nosuch = 3"]),
+        (["car_mems", "--set", "board.nosuch=3"], ["board.toml", "nosuch"]),
+        (["car_mems", "--set", "board.uarts.host.baud=0"], ["uarts.host.baud = 0", "baud = 9600"]),
+        (["car_mems", "--set", "profile.nosuch=3"], ["'nosuch'", "aiding"]),
+        (["car_mems", "--set", "profile.aiding=maybe"], ["aiding = 'maybe'", "True, False"]),
+        (["car_mems", "--set", "board.processors.mcu.program=nosuch.module:x"], ["nosuch.module:x"]),
+        (["car_mems", "--set", "board.processors.mcu.program=json:nosuch"], ["json:nosuch"]),
+        (["car_mems", "--set", "board.chips.U2.model=nosuch:X"], ["nosuch:X", "U2"]),
+        (["car_mems", "--set", "board.chips.U2.parameters.nosuch=1"], ["nosuch", "U2"]),
+        (["car_mems", "--set", "board.chips.U2.name=foo"], ["a chip called 'imu'", "foo"]),
+    ],
+)
+def test_command_line(tmp_path: Path, arguments: list[str], words: list[str]) -> None:
+    code, message = _run(tmp_path, *arguments)
+    assert code == 2
+    for word in words:
+        assert word in message
+
+
+@pytest.mark.parametrize(
+    ("fault", "words"),
+    [
+        ('kind="nosuch",target="imu",at_s=1.0', ["no kind of fault 'nosuch'", "spi-missing"]),
+        ('kind="spi-missing",target="nosuch",at_s=1.0', ["no SPI device 'nosuch'", "imu"]),
+        ('kind="gnss-time-jump",target="nosuch",at_s=1.0', ["no receiver 'nosuch'", "U3"]),
+        (
+            'kind="spi-missing",target="imu",at_s=1.0,parameters={nosuch=3}',
+            ["parameters.nosuch = 3", "level"],
+        ),
+        ('kind="spi-bit-errors",target="imu",at_s=1.0,parameters={probability=7}', ["7", "0 … 1"]),
+        (
+            'kind="spi-bit-errors",target="imu",at_s=1.0,parameters={probability="x"}',
+            ["parameters.probability = 'x'", "0.0001"],
+        ),
+        ('kind="gnss-time-jump",target="U3",at_s=1.0,parameters={offset_s="x"}', ["offset_s = 'x'", "50.0"]),
+        ('kind="chip-off",target="U2",at_s=-1.0', ["at_s = -1.0", "120.0"]),
+        ('kind="chip-off",target="U2",at_s=1.0,duration_s=0.0', ["duration_s = 0.0", "5.0"]),
+    ],
+)
+def test_fault(tmp_path: Path, fault: str, words: list[str]) -> None:
+    code, message = _run(tmp_path, "car_mems", "-s", "static", "--set", f"fault=[{{{fault}}}]")
+    assert code == 2
+    for word in words:
+        assert word in message
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("board.pins={}", ["outputs 'gnss_enable'", "board.toml"]),
+        ("board.processors.mcu.costs={}", ["processors.mcu.costs 'parse_byte'"]),
+        (
+            "board.processors.mcu.tasks={x={priority=1}}",
+            ["processors.mcu.tasks 'gnss_receive'", "it names: x"],
+        ),
+        ("board.timers={}", ["timers 'background'"]),
+    ],
+)
+def test_board_without_what_its_program_asks_for(tmp_path: Path, change: str, words: list[str]) -> None:
+    arguments = ["run", "car_mems", "-s", "static", "-q", "--set", change, "--out", str(tmp_path / "out")]
+    result = CliRunner().invoke(app, arguments)
+    assert result.exit_code == 2
+    for word in words:
+        assert word in result.stderr
+    assert not (tmp_path / "out" / "result.json").exists()
+    assert "failed" in (tmp_path / "out" / "manifest.json").read_text()
+
+
+def test_recording_that_is_missing_or_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("NAVTWIN_DATA", raising=False)
+    code, message = _run(tmp_path, "car_mems", "-s", "real-drive")
+    assert code == 2
+    assert "NAVTWIN_DATA" in message
+    data = tmp_path / "data"
+    (data / "comma2k19").mkdir(parents=True)
+    code, message = _run(tmp_path, "car_mems", "-s", "real-drive", "--data", str(data))
+    assert code == 2
+    assert "no such file below" in message
+    (data / "comma2k19" / "example_1.npz").write_bytes(b"PK\x03\x04 not really")
+    code, message = _run(tmp_path, "car_mems", "-s", "real-drive", "--data", str(data))
+    assert code == 2
+    assert "example_1.npz" in message
+
+
+def test_folder_that_cannot_be_written(tmp_path: Path) -> None:
+    file = tmp_path / "file"
+    file.write_text("")
+    result = CliRunner().invoke(app, ["run", "car_mems", "-s", "static", "-q", "--out", str(file)])
+    assert result.exit_code == 2
+    assert "is a file" in result.stderr
