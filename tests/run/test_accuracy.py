@@ -35,6 +35,7 @@ def test_time_tags_are_told_with_and_without_the_time_pulse() -> None:
     assert wired["time_tag_position_effect_rms_m"] < free["time_tag_position_effect_rms_m"]
 
 
+@pytest.mark.soak  # compiling everything in float64 takes a minute
 def test_float32_is_as_good_as_float64() -> None:
     single, double = _run("town"), _run("town", 'profile.precision="float64"')
     assert single.data is not None
