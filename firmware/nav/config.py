@@ -113,7 +113,7 @@ class NavConfig:
     constraint_noise: float = 0.1
     constraint_turn_noise: float = 0.05
     """m/s per m/s² of centripetal acceleration: the slip of the tyres."""
-    constraint_min_speed: float = 1.5
+    constraint_min_speed: float = 0.5
     mounting_sigma: float = 3.0 * DEG
     """Yaw and pitch of the vehicle's axes in body axes."""
     standstill: bool = True

@@ -147,6 +147,8 @@ def _correct(f, i, e, time):
     if not correction_is_sound(f):
         restart(f, i)
         return
+    if i[at.POSITION_REFUSED_SINCE] == at.NEVER and i[at.VELOCITY_REFUSED_SINCE] == at.NEVER:
+        i[at.PATIENCE_NS] = i[cfg.REJOIN_AFTER_NS]
     if i[at.INNOVATION_MASK] != 0:
         feed_back(f, i)
         i[at.UPDATES] += 1
@@ -191,7 +193,6 @@ def _prepare_velocity(f, i, e, time):
 def _position_passes(f, i, time, count, weight):
     if weight <= (f[cfg.GATE_3] if count == 3 else f[cfg.GATE_2]):
         i[at.POSITION_REFUSED_SINCE] = at.NEVER
-        i[at.PATIENCE_NS] = i[cfg.REJOIN_AFTER_NS]
         return True
     report(i, GNSS_REJECTED)
     if i[at.POSITION_REFUSED_SINCE] == at.NEVER:
@@ -212,7 +213,7 @@ def _velocity_passes(f, i, time, count, weight):
     report(i, GNSS_REJECTED)
     if i[at.VELOCITY_REFUSED_SINCE] == at.NEVER:
         i[at.VELOCITY_REFUSED_SINCE] = time
-    if time - i[at.VELOCITY_REFUSED_SINCE] < i[cfg.REJOIN_AFTER_NS] or not weight < HOPELESS:
+    if time - i[at.VELOCITY_REFUSED_SINCE] < i[at.PATIENCE_NS] or not weight < HOPELESS:
         return False
     _widen(f, VELOCITY_ROWS, at.X_VELOCITY, count)
     for k in range(THREE):

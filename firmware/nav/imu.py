@@ -19,7 +19,7 @@ from firmware.nav.levelling import begin_levelling, integrate_samples, level_by_
 from firmware.nav.plausibility import is_plausible
 from firmware.nav.prediction import predict
 from firmware.nav.restart import keep_good_state, restart, state_is_sound
-from firmware.nav.standstill import close_window, rest_updates, watch
+from firmware.nav.standstill import close_window, rest_updates, was_rest, watch
 from firmware.nav.strapdown import advance_between_samples, advance_by_mean
 from firmware.nav.vehicle import constrain, gather_side_speed
 from firmware.numerics.dialect import kernel
@@ -89,7 +89,7 @@ def imu_step(f, i, t_ns, dt, wx, wy, wz, ax, ay, az):
         quiet = close_window(f, i)
         if i[at.MODE] != NAVIGATING:
             level_by_window(f, i, quiet)
-        elif quiet and i[cfg.STANDSTILL_ON] != 0:
+        elif was_rest(f, i, quiet) and i[cfg.STANDSTILL_ON] != 0:
             rest_updates(f, i)
 
 

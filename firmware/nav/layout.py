@@ -202,7 +202,7 @@ POSITION_REFUSED_SINCE = 21
 VELOCITY_REFUSED_SINCE = 22
 HEADING_WRONG_SINCE = 23
 PATIENCE_NS = 24
-"""For how long position is refused before the gate is widened."""
+"""For how long a measurement is refused before the gate is widened."""
 GOOD_TIME = 25
 """Last state that was checked and sound (place below, height in f)."""
 GOOD_LATITUDE = 26
@@ -216,7 +216,11 @@ AGO_LONGITUDE = 32
 DEAD_UNTIL = 33
 """End of the last dead time."""
 CHECK_DUE = 34
-UPDATES = 35
+QUIET_IS_NO_REST = 35
+"""1: this stretch of quiet windows began in motion, as GNSS told."""
+SENSOR_REPEATS = 36
+"""1: this sensor was seen to repeat its readings at rest (no noise): repetition alone tells nothing."""
+UPDATES = 37
 """GNSS epochs absorbed."""
 
 EVENT_TIME = 40

@@ -1,6 +1,7 @@
 """Can this sample be a measurement? Finite, within the sensor's range, and not frozen while the vehicle moves.
 
-A frozen sensor at rest is noted but used: rest looks the same. What is refused counts as dead time.
+A frozen sensor at rest is noted but used: rest looks the same. So is one that repeated itself before it ever
+moved, until GNSS contradicts: it has no noise. What is refused counts as dead time.
 """
 
 import numpy as np
@@ -31,7 +32,7 @@ def is_plausible(f, i, wx, wy, wz, ax, ay, az):
         i[at.UNCHANGED] += 1
         if i[at.UNCHANGED] >= i[cfg.STUCK_SAMPLES]:
             report(i, IMU_STUCK)
-            return not _is_moving(f, i)
+            return _may_repeat(f, i)
         return True
     i[at.UNCHANGED] = 0
     f[r] = wx
@@ -41,6 +42,16 @@ def is_plausible(f, i, wx, wy, wz, ax, ay, az):
     f[r + 4] = ay
     f[r + 5] = az
     return True
+
+
+@kernel
+def _may_repeat(f, i):
+    """Whether readings that do not change may be true ones."""
+    if i[at.MODE] != NAVIGATING:
+        i[at.SENSOR_REPEATS] = 1
+        return True
+    contradicted = i[at.VELOCITY_REFUSED_SINCE] != at.NEVER
+    return (i[at.SENSOR_REPEATS] != 0 and not contradicted) or not _is_moving(f, i)
 
 
 @kernel

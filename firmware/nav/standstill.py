@@ -1,8 +1,8 @@
 """Is the vehicle at rest? Quiet sensors over a window of one second, and nothing that says it moves.
 
 Quiet alone is not rest: a car that rolls smoothly is as quiet. While GNSS is fresh its low-passed velocity
-must be near zero; without it, zero must be plausible to the filter itself (the gate of the update), and the
-speed it believes must be small. The window starts anew each second, so that an update tells what was so for
+must be near zero; without it, the stretch of quiet windows must not have begun in motion, zero must be
+plausible to the filter itself (the gate of the update), and the speed it believes must be small. The window starts anew each second, so that an update tells what was so for
 the whole second before it. Sums are of differences to the window's first sample: float32 keeps its digits.
 """
 
@@ -88,13 +88,22 @@ def _gnss_is_fresh(i):
 
 
 @kernel
-def rest_updates(f, i):
-    """Zero velocity and zero rate, when the quiet window was a rest."""
+def was_rest(f, i, quiet):
+    """Whether the window just closed was a rest, by all that is known."""
+    if not quiet:
+        i[at.QUIET_IS_NO_REST] = 0
+        return False
+    if _gnss_is_fresh(i):
+        i[at.QUIET_IS_NO_REST] = 1 if gnss_says_moving(f, i) else 0
     x = f[at.VELOCITY]
     y = f[at.VELOCITY + 1]
     z = f[at.VELOCITY + 2]
-    if gnss_says_moving(f, i) or x * x + y * y + z * z > f[cfg.REST_SPEED_SQUARE]:
-        return
+    return i[at.QUIET_IS_NO_REST] == 0 and x * x + y * y + z * z < f[cfg.REST_SPEED_SQUARE]
+
+
+@kernel
+def rest_updates(f, i):
+    """Zero velocity and zero rate over the window just closed, if that is plausible."""
     predict(f)
     clear_correction(f)
     clear_rows(f)
