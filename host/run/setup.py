@@ -47,7 +47,9 @@ def resolve(request: RunRequest) -> Setup:
     if profile_name not in board.profiles:
         hint = did_you_mean(profile_name, board.profiles)
         raise UserError(f"--profile {profile_name}: {board.name} has no such profile; {hint}")
-    profile = apply_overrides({**board.profiles[profile_name], **scenario.profile}, profile_changes)
+    profile = apply_overrides(
+        {**board.profiles[profile_name], **scenario.profile.get(profile_name, {})}, profile_changes
+    )
     return Setup(board, scenario, profile_name, profile)
 
 

@@ -100,9 +100,13 @@ class Navigation:
 
 
 def nav_config(settings: Settings, installation: Mapping[str, Any], pulse_wired: bool) -> NavConfig:
-    """Navigation's configuration for a profile and an installation."""
+    """Navigation's configuration for a profile and an installation.
+
+    Lever arms are measured from the vehicle's origin, the point that does not slip sideways.
+    """
     mounting = installation["imu"]["C_b_s"]
-    lever = np.subtract(installation["gnss"]["lever_arm_m"], installation["imu"]["lever_arm_m"])
+    sensor = installation["imu"]["lever_arm_m"]
+    lever = np.subtract(installation["gnss"]["lever_arm_m"], sensor)
     mean = settings.strapdown == "mean"
     choices: dict[str, Any] = {"sample_period": MEAN_PERIOD, "two_sample": False} if mean else {}
     if settings.initial_yaw_deg is not None:
@@ -112,6 +116,7 @@ def nav_config(settings: Settings, installation: Mapping[str, Any], pulse_wired:
     return NavConfig(
         C_b_s=tuple(float(element) for row in mounting for element in row),
         antenna_lever_arm=(float(lever[0]), float(lever[1]), float(lever[2])),
+        constraint_lever_arm=(-sensor[0], -sensor[1], -sensor[2]),
         constraint=settings.aiding,
         standstill=settings.aiding,
         **choices,

@@ -220,8 +220,10 @@ class Scenario(Table):
     recording: RecordingSource | None = Field(default=None, examples=[{"file": "comma2k19/example_1.npz"}])
     board: dict[str, Any] = Field(default={}, examples=[{"chips": {"U3": {"lever_arm_m": [0.0, 0.0, 0.0]}}}])
     """What of the board's description is otherwise in this scenario: the same tables, merged key by key."""
-    profile: dict[str, str | int | float | bool] = Field(default={}, examples=[{"gnss_rate_hz": 5}])
-    """Settings of the board's program that this scenario changes in every profile."""
+    profile: dict[str, dict[str, str | int | float | bool]] = Field(
+        default={}, examples=[{"full-rate": {"gnss_rate_hz": 5}}]
+    )
+    """For each profile of the board that the scenario changes: its settings."""
     expect: Annotated[dict[str, Limit], BeforeValidator(_flat_limits)] = Field(
         default={}, examples=[{"metrics.position_horizontal_rms_m": 2.5}]
     )
