@@ -97,7 +97,8 @@ def look_up(f, i, time):
     _interpolate(f, i, before, after, time)
     newer = (head - max(back - SPAN, np.int64(0))) & at.RING_MASK
     older = (head - min(back + SPAN, count - 1)) & at.RING_MASK
-    _rates_of_change(f, i, older, newer)
+    _mean_acceleration(f, i, older, newer)
+    _rate_at(f, i, time, before, after, back, count)
     return True
 
 
@@ -123,21 +124,52 @@ def _interpolate(f, i, before, after, time):
 
 
 @kernel
-def _rates_of_change(f, i, older, newer):
-    """Mean acceleration (n) and rate (b) around the state looked up."""
+def _mean_acceleration(f, i, older, newer):
+    """Mean acceleration (n) around the state looked up."""
     p = at.RING_F + at.RING_FLOATS * older
     q = at.RING_F + at.RING_FLOATS * newer
     span = seconds_between(i[at.RING_I + 3 * older], i[at.RING_I + 3 * newer])
     per_span = ONE / span if span > ZERO else ZERO
     for k in range(THREE):
         f[at.AGO_ACCELERATION + k] = (f[q + k] - f[p + k]) * per_span
+
+
+@kernel
+def _rate_at(f, i, time, before, after, back, count):
+    """Rate (b) at `time`, between the means of the two intervals nearest to it: vibration must not pass away
+    here, it moves the antenna."""
+    start = i[at.RING_I + 3 * before]
+    middle = start + ((i[at.RING_I + 3 * after] - start) >> np.int64(1))
+    wx, wy, wz = _mean_rate(f, i, before, after)
+    earlier = time < middle
+    if (earlier and back + 1 < count) or (not earlier and back >= 2):
+        other = (before - 1) & at.RING_MASK if earlier else (after + 1) & at.RING_MASK
+        first = other if earlier else after
+        last = before if earlier else other
+        beside = i[at.RING_I + 3 * first]
+        beside += (i[at.RING_I + 3 * last] - beside) >> np.int64(1)
+        weight = seconds_between(middle, time) / seconds_between(middle, beside)
+        vx, vy, vz = _mean_rate(f, i, first, last)
+        wx += weight * (vx - wx)
+        wy += weight * (vy - wy)
+        wz += weight * (vz - wz)
+    f[at.AGO_RATE] = wx
+    f[at.AGO_RATE + 1] = wy
+    f[at.AGO_RATE + 2] = wz
+
+
+@kernel
+def _mean_rate(f, i, first, last):
+    """Mean rate (b) between two entries."""
+    p = at.RING_F + at.RING_FLOATS * first
+    q = at.RING_F + at.RING_FLOATS * last
+    span = seconds_between(i[at.RING_I + 3 * first], i[at.RING_I + 3 * last])
     w, x, y, z = quaternion_product(
         f[p + 3], -f[p + 4], -f[p + 5], -f[p + 6], f[q + 3], f[q + 4], f[q + 5], f[q + 6]
     )
-    twice = TWO * per_span if w >= ZERO else -TWO * per_span
-    f[at.AGO_RATE] = twice * x
-    f[at.AGO_RATE + 1] = twice * y
-    f[at.AGO_RATE + 2] = twice * z
+    twice = TWO / span if span > ZERO else ZERO
+    twice = twice if w >= ZERO else -twice
+    return twice * x, twice * y, twice * z
 
 
 @kernel
