@@ -73,7 +73,15 @@ def _finish(f, i, e, time, speed, course, turn):
     sink = (down - f[at.START_INTEGRALS + DOWN]) * per_t
     s = at.START_INTEGRALS
     a = at.AGO_VELOCITY
-    pitch, roll = _tilt(f[a] - f[s], f[a + 1] - f[s + 1], f[a + 2] - f[s + 2])
+    fx = (f[a] - f[s]) * per_t
+    fy = (f[a + 1] - f[s + 1]) * per_t
+    fz = (f[a + 2] - f[s + 2]) * per_t
+    down_force = sink - f[cfg.STANDARD_GRAVITY]
+    expected = np.float32(math.sqrt(along * along + side * side + down_force * down_force))
+    if abs(np.float32(math.sqrt(fx * fx + fy * fy + fz * fz)) - expected) > f[cfg.MAX_REST_FORCE_ERROR]:
+        _start(f, i, e, time, speed, course)  # no sensor that feels gravity
+        return
+    pitch, roll = _tilt(fx, fy, fz)
     pitch_of_motion, roll_of_motion = _tilt(along, side, sink - f[cfg.STANDARD_GRAVITY])
     pitch -= pitch_of_motion
     roll -= roll_of_motion

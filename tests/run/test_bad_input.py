@@ -100,7 +100,6 @@ def test_fault(tmp_path: Path, fault: str, words: list[str]) -> None:
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        ("board.pins={}", ["outputs 'gnss_enable'", "board.toml"]),
         ("board.processors.mcu.costs={}", ["processors.mcu.costs 'parse_byte'"]),
         (
             "board.processors.mcu.tasks={x={priority=1}}",
@@ -117,6 +116,27 @@ def test_board_without_what_its_program_asks_for(tmp_path: Path, change: str, wo
         assert word in result.stderr
     assert not (tmp_path / "out" / "result.json").exists()
     assert "failed" in (tmp_path / "out" / "manifest.json").read_text()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ("board.pins={}", ["GNSS_ENABLE", "no output pin drives"]),
+        ('board.chips.U2.pins.INT9="X"', ["INT9", "INT1, INT2"]),
+        ("board.buses.spi1.mode=1", ["buses.spi1.mode = 1", "0, 3"]),
+        ("board.chips.U2.mounting=[[1,0,0],[0,1,0],[0,0,-1]]", ["reflection"]),
+        ("board.buses.spi1.kind=i2c", ["buses.spi1.clock_hz", "400_000"]),
+        ('profile.acquisition="timer"', ["acquisition", "two-sample"]),
+        ("profile.initial_yaw_deg=400", ["initial_yaw_deg", "62.0"]),
+    ],
+)
+def test_what_cannot_be_wired_or_set_is_refused_before_anything_is_written(
+    tmp_path: Path, change: str, words: list[str]
+) -> None:
+    code, message = _run(tmp_path, "car_mems", "-s", "static", "--set", change)
+    assert code == 2
+    for word in words:
+        assert word in message
 
 
 def test_recording_that_is_missing_or_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
