@@ -1,0 +1,1 @@
+"""What would be flashed: numerics, navigation, drivers, the link, and one program per processor."""

@@ -1,4 +1,5 @@
-"""Navigation: alignment, strapdown, error-state filter, GNSS and vehicle aiding, health; kernels on two arrays.
+"""Navigation: alignment, strapdown, error-state filter, GNSS and vehicle aiding, health; kernels on two
+arrays.
 
 Doors: `configure` (config), `imu_step` (imu), `gnss_step` (gnss), and what `solution` fills.
 """

@@ -1,6 +1,7 @@
 """After attitude was corrected by φ̂, what is left of its error is counted from the corrected attitude.
 
-    φ ← (I − [φ̂×]/2) φ      first order; Markley, Attitude error representations for Kalman filtering, JGCD 26 (2003)
+    φ ← (I − [φ̂×]/2) φ      first order; Markley, Attitude error representations for Kalman filtering,
+    JGCD 26 (2003)
 
 Three rows of U turn among one another and lose their triangular form. Behind the parameters' columns, which
 simply turn, only three columns hold attitude: these are orthogonalised again (modified weighted Gram-Schmidt,
@@ -46,7 +47,8 @@ def turn_attitude_error(f, x, y, z):
 
 @kernel
 def _orthogonalise(f, k):
-    """Column k of the new U (layout.TURNED) and its D from row k; what lies along it leaves the rows above."""
+    """Column k of the new U (layout.TURNED) and its D from row k; what lies along it leaves the rows
+    above."""
     a = at.U + FIRST * at.STATES
     b = a + at.STATES
     c = b + at.STATES

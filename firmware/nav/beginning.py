@@ -1,7 +1,8 @@
 """From alignment to navigation: the state at the moment when yaw and a fix are known.
 
 Two ways lead here: after a rest (tilt and gyro bias learnt at rest, yaw from the course or given) and in
-motion (everything from a few seconds of motion). Both leave the history with the state at the epoch looked up.
+motion (everything from a few seconds of motion). Both leave the history with the state at the epoch
+looked up.
 """
 
 import numpy as np

@@ -1,4 +1,5 @@
-"""Configuration of navigation: everything a board or a tuner may set, in SI units, and its way into the arrays.
+"""Configuration of navigation: everything a board or a tuner may set, in SI units, and its way into the
+arrays.
 
 Defaults are those of a BMI160 and a NEO-M8N in a car. Noise of a sensor that its data sheet gives as a
 density n per √Hz (one-sided) enters as a random walk n/√2 per √s.
@@ -22,7 +23,8 @@ ZERO: Vector = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True, kw_only=True)
 class NavConfig:
-    """All tuning of navigation. Angles in rad, times in s, noise as 1 σ; ValueError from `configure` when wrong."""
+    """All tuning of navigation. Angles in rad, times in s, noise as 1 σ; ValueError from `configure` when
+    wrong."""
 
     # --- the board
     C_b_s: tuple[float, ...] = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
@@ -175,7 +177,8 @@ class NavConfig:
 
 
 def configure(f: NDArray[Any], i: NDArray[np.int64], config: NavConfig) -> None:
-    """Bring `f` and `i` to the state before the first sample. ValueError tells the field, its value and why."""
+    """Bring `f` and `i` to the state before the first sample. ValueError tells the field, its value and
+    why."""
     _check(config)
     f[:] = 0.0
     i[:] = 0
@@ -197,7 +200,8 @@ def new_state(config: NavConfig, dtype: Any = np.float32) -> tuple[NDArray[Any],
 
 
 _BEGIN_AT_NEVER = [
-    at.TIME, at.FIX_TIME, at.GOOD_TIME, at.EPOCH_VALID, at.LEVELLED_AT, at.START_TIME, at.DEAD_UNTIL, at.POSITION_REFUSED_SINCE,
+    at.TIME, at.FIX_TIME, at.GOOD_TIME, at.EPOCH_VALID, at.LEVELLED_AT, at.START_TIME, at.DEAD_UNTIL,
+    at.POSITION_REFUSED_SINCE,
     at.VELOCITY_REFUSED_SINCE, at.HEADING_WRONG_SINCE, at.INNOVATION_TIME,
 ]  # fmt: skip
 
@@ -305,8 +309,10 @@ def _ns(seconds: float) -> int:
 
 
 _MAY_BE_ZERO = {
-    "latency_sigma", "latency_nominal", "initial_yaw", "gyro_bias_walk", "accel_bias_walk", "manoeuvre_noise", "position_walk", "gyro_drift_sigma", "gyro_instability_sigma", "gyro_drift_walk",
-    "misalignment_sigma", "scale_sigma", "course_noise", "velocity_lag", "time_tag_noise", "constraint_turn_noise",
+    "latency_sigma", "latency_nominal", "initial_yaw", "gyro_bias_walk", "accel_bias_walk",
+    "manoeuvre_noise", "position_walk", "gyro_drift_sigma", "gyro_instability_sigma", "gyro_drift_walk",
+    "misalignment_sigma", "scale_sigma", "course_noise", "velocity_lag", "time_tag_noise",
+    "constraint_turn_noise",
     "rest_gyro_sigma", "epochs_after_time_jump",
 }  # fmt: skip
 
@@ -321,13 +327,15 @@ def _check(config: NavConfig) -> None:
             lowest = 0.0 if field.name in _MAY_BE_ZERO else 1e-12
             if not lowest <= value < math.inf and field.name != "initial_yaw":
                 raise ValueError(
-                    f"NavConfig.{field.name} = {value} must be finite and {'not negative' if not lowest else 'positive'}, "
+                    f"NavConfig.{field.name} = {value} must be finite and "
+                    f"{'not negative' if not lowest else 'positive'}, "
                     f"like the default {field.default}"
                 )
     c = np.reshape(config.C_b_s, (3, 3)) if len(config.C_b_s) == 9 else np.zeros((3, 3))
     if not (np.allclose(c @ c.T, np.eye(3), atol=1e-5) and np.linalg.det(c) > 0):
         raise ValueError(
-            f"NavConfig.C_b_s = {config.C_b_s} is no rotation matrix; a valid one is (1, 0, 0, 0, 1, 0, 0, 0, 1)"
+            f"NavConfig.C_b_s = {config.C_b_s} is no rotation matrix; "
+            "a valid one is (1, 0, 0, 0, 1, 0, 0, 0, 1)"
         )
     for name in ("antenna_lever_arm", "constraint_lever_arm", "known_gyro_bias", "known_accel_bias", "gates"):
         if len(getattr(config, name)) != 3:

@@ -3,7 +3,8 @@
 U is unit upper triangular, D diagonal. Both lie in `f` (layout.U, column by column, and layout.D), so that
 inner loops run down one contiguous column.
 
-    measurement update                 Bierman, Factorization Methods for Discrete Sequential Estimation (1977), ch. V
+    measurement update                 Bierman, Factorization Methods for Discrete Sequential Estimation
+    (1977), ch. V
     process noise of one state         rank one, Agee and Turner (1972), ibid. ch. III
 
 The order of the states makes the dynamics upper triangular as well: a state is driven by those behind it only

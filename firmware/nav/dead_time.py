@@ -1,8 +1,10 @@
 """Time without a plausible inertial sample: position goes on by velocity, and the covariance knows.
 
 What attitude and velocity did meanwhile is unknown up to rates of tilt and yaw and an acceleration
-(`lost_tilt_rate`, `lost_yaw_rate`, `lost_force`), constant over the dead time T: their standard deviations grow
-with T, so the variances of an interval are the differences of σ² T². A GNSS epoch that was valid before the end
+(`lost_tilt_rate`, `lost_yaw_rate`, `lost_force`), constant over the dead time T: their standard
+deviations grow
+with T, so the variances of an interval are the differences of σ² T². A GNSS epoch that was valid before
+the end
 of dead time is compared with a state that knew no better: its variances grow by the same. After too long,
 attitude is lost and alignment begins anew.
 """

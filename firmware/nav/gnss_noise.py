@@ -73,6 +73,7 @@ def speed_variance(f, e):
 
 @kernel
 def weigh_epoch(f, i, valid):
-    """Errors of epochs that follow closely are the same errors: n within their time of change count as one."""
+    """Errors of epochs that follow closely are the same errors: n within their time of change count as
+    one."""
     spacing = max(seconds_between(i[at.FIX_TIME], valid), SHORTEST)
     f[at.EPOCH_WEIGHT] = max(f[cfg.EPOCH_INDEPENDENCE] / spacing, ONE)

@@ -1,4 +1,5 @@
-"""The states of the last 1.2 s, and what has been corrected since: a GNSS epoch is compared where it is valid.
+"""The states of the last 1.2 s, and what has been corrected since: a GNSS epoch is compared where it is
+valid.
 
 The ring holds velocity, attitude and position at least 10 ms apart. `look_up` interpolates between two of
 them and adds the corrections that were made after that instant, carried back over Δt:

@@ -1,7 +1,8 @@
 """The door for inertial samples: one sample moves the state to its time.
 
 What follows depends on the mode: while levelling the samples are gathered; levelled, attitude and velocity
-run on a flat Earth until yaw is known; navigating, the strapdown runs on the ellipsoid, the covariance follows
+run on a flat Earth until yaw is known; navigating, the strapdown runs on the ellipsoid, the covariance
+follows
 every `covariance_period`, the constraint of the vehicle every `constraint_period`, each window of a second is
 asked whether it was a rest, and twice a second all is looked over.
 """
@@ -95,7 +96,8 @@ def imu_step(f, i, t_ns, dt, wx, wy, wz, ax, ay, az):
 
 @kernel
 def _interval(f, i, t_ns, dt):
-    """Length of the interval that this sample ends, s, and the state's time set to it; 0: it only begins one."""
+    """Length of the interval that this sample ends, s, and the state's time set to it; 0: it only begins
+    one."""
     dead = seconds_between(i[at.GOOD_SAMPLE_TIME], t_ns)
     elapsed = seconds_between(i[at.TIME], t_ns)
     if i[at.HAVE_SAMPLE] != 0 and not elapsed > ZERO:

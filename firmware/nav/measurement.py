@@ -65,7 +65,8 @@ def absorb_group(f, first, count):
 
 @kernel
 def absorb_if_plausible(f, row, gate):
-    """Update by one scalar if its innovation, given those absorbed before, passes the gate; whether it did."""
+    """Update by one scalar if its innovation, given those absorbed before, passes the gate; whether it
+    did."""
     project(f, row)
     s = projected_product(f, row, row) + f[at.VARIANCE + row]
     residual = remaining_residual(f, row)

@@ -1,4 +1,5 @@
-"""Can this sample be a measurement? Finite, within the sensor's range, and not frozen while the vehicle moves.
+"""Can this sample be a measurement? Finite, within the sensor's range, and not frozen while the vehicle
+moves.
 
 A frozen sensor at rest is noted but used: rest looks the same. So is one that repeated itself before it ever
 moved, until GNSS contradicts: it has no noise. What is refused counts as dead time.

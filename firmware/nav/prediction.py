@@ -15,7 +15,8 @@ error of the transport rate. Groves, Principles of GNSS, Inertial, and Multisens
 Integrated Navigation Systems, 2nd ed., section 14.2.4.
 
 Parameters: biases walk, the gyro bias also drifts while the sensor warms up, at a rate that decays; the
-correlated GNSS error is a first-order Gauss-Markov process; the responses are constant. This is done once a second: the drift adds its
+correlated GNSS error is a first-order Gauss-Markov process; the responses are constant. This is done once
+a second: the drift adds its
 rows of U to those of the bias (U stays triangular), the noise is a sum of rank-one terms.
 """
 

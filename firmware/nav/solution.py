@@ -1,7 +1,9 @@
 """What navigation gives out: the solution, its covariance, innovations, biases and status.
 
-Error definition, for whoever scores: errors are truth minus solution; δr and δv in NED (m, m/s); φ in NED (rad)
-with C_n_b(true) = (I + [φ×]) C_n_b(solution), so φ is the vector part of 2 q_true ⊗ q_solution*. The sigmas of
+Error definition, for whoever scores: errors are truth minus solution; δr and δv in NED (m, m/s); φ in NED
+(rad)
+with C_n_b(true) = (I + [φ×]) C_n_b(solution), so φ is the vector part of 2 q_true ⊗ q_solution*. The
+sigmas of
 attitude are those of φ north, east, down. Before navigation begins the position is that of the last fix,
 carried on by its velocity, and what is not known has a sigma of its whole range.
 """
@@ -159,7 +161,8 @@ def covariance(f, out):
 
 @kernel("void(float32[::1], float32[::1])")
 def innovation(f, out):
-    """Innovations and their sigmas (12) of the last GNSS epoch; time and mask stand in layout.INNOVATION_…."""
+    """Innovations and their sigmas (12) of the last GNSS epoch; time and mask stand in
+    layout.INNOVATION_…."""
     for k in range(np.int32(6)):
         out[k] = f[at.LAST_INNOVATION + k]
         out[6 + k] = f[at.LAST_INNOVATION_SIGMA + k]

@@ -2,7 +2,8 @@
 
 Quiet alone is not rest: a car that rolls smoothly is as quiet. While GNSS is fresh its low-passed velocity
 must be near zero; without it, the stretch of quiet windows must not have begun in motion, zero must be
-plausible to the filter itself (the gate of the update), and the speed it believes must be small. The window starts anew each second, so that an update tells what was so for
+plausible to the filter itself (the gate of the update), and the speed it believes must be small. The
+window starts anew each second, so that an update tells what was so for
 the whole second before it. Sums are of differences to the window's first sample: float32 keeps its digits.
 """
 

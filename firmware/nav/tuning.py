@@ -1,4 +1,5 @@
-"""Where the configuration lies in the two arrays (values: config): squares, inverses and counts ready for use.
+"""Where the configuration lies in the two arrays (values: config): squares, inverses and counts ready for
+use.
 
 Kernels know these places only; no kernel holds a number that anyone may want to tune.
 """
