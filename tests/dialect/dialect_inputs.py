@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.apps.car_mems.sample_clock import CLOCK_SIZE, reset_clock
-from firmware.apps.car_mems.steps import CLOCK_AT, APP_SIZE
+from firmware.apps.car_mems.steps import APP_SIZE, CLOCK_AT
 from firmware.drivers import gnss_epoch as gnss
 from firmware.nav import layout
 from firmware.nav.config import NavConfig, configure
