@@ -30,6 +30,7 @@ from host.run.warm_up import warm_up
 from host.score.expectations import check_names
 from host.score.rules import ScoringRules
 from host.sim.scenario.errors import ScenarioError
+from host.sim.scenario.load import source_text
 from host.sim.world import World
 
 CHUNK_NS = 40 * SECOND
@@ -54,7 +55,7 @@ def run(request: RunRequest) -> RunResult:
         setup.board.name,
         (board_folder(request.board) / "board.toml").read_text(),
         setup.scenario.name,
-        setup.scenario.path.read_text() if setup.scenario.path else "",
+        source_text(setup.scenario.path) if setup.scenario.path else "",
         setup.profile_name,
         request.seed,
         request.overrides,
@@ -131,15 +132,17 @@ def _work_off(
     gc.collect()
     gc.freeze()
     begin = time.perf_counter()
-    now = 0
-    while now < duration_ns:
-        now = min(now + CHUNK_NS, duration_ns)
-        board.machine.run_until(now)
-        intake.flush(now)
-        if progress is not None:
-            progress(now / SECOND, duration_ns / SECOND)
-    wall_s = time.perf_counter() - begin
-    gc.unfreeze()
+    try:
+        now = 0
+        while now < duration_ns:
+            now = min(now + CHUNK_NS, duration_ns)
+            board.machine.run_until(now)
+            intake.flush(now)
+            if progress is not None:
+                progress(now / SECOND, duration_ns / SECOND)
+        wall_s = time.perf_counter() - begin
+    finally:
+        gc.unfreeze()
     board.machine.power_off()
     return wall_s
 

@@ -39,6 +39,16 @@ def scenario_from(data: dict[str, Any], name: str, source: str, path: Path | Non
         raise ScenarioError(explain(error, Scenario, source)) from None
 
 
+def source_text(path: Path) -> str:
+    """The text of a scenario file, and below it of what it inherits: all that the scenario is made of."""
+    text = path.read_text(encoding="utf-8")
+    parent = _parse(path, ()).get("inherit")
+    if parent is None:
+        return text
+    parent_path = path.parent / (parent if parent.endswith(".toml") else f"{parent}.toml")
+    return f"{text}\n# --- inherited: {parent_path.name}\n{source_text(parent_path)}"
+
+
 def _read(path: Path, heirs: tuple[Path, ...]) -> dict[str, Any]:
     """Parsed content of `path` on top of what it inherits."""
     data = _parse(path, heirs)
