@@ -85,8 +85,9 @@ def test_noise_of_the_gyro_is_no_noise_of_the_receiver() -> None:
 
 
 def test_the_manifest_holds_all_that_the_scenario_is_made_of(tmp_path: Path) -> None:
-    run(RunRequest("car_mems", "town", overrides=("duration_s=3.0",), out_dir=tmp_path / "out", capture=False))
-    text = json.loads((tmp_path / "out" / "manifest.json").read_text())["scenario_text"]
+    out = tmp_path / "out"
+    run(RunRequest("car_mems", "town", overrides=("duration_s=3.0",), out_dir=out, capture=False))
+    text = json.loads((out / "manifest.json").read_text())["scenario_text"]
     assert 'inherit = "town-open"' in text
     assert "[[outage]]" in text
     assert 'kind = "reach-speed"' in text
