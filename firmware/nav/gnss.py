@@ -69,8 +69,8 @@ def gnss_step(f, i, e):
     if not time_is_believed(i, e):
         return
     valid = e[gnss.VALID_NS]
-    if valid - i[at.TIME] > i[cfg.SILENCE_NS] and i[at.MODE] == NAVIGATING:
-        coast(f, i, valid)
+    if valid - i[at.TIME] > i[cfg.SILENCE_NS]:
+        _go_on_without_samples(f, i, valid)
     time = valid - int64_of_float32(f[at.LATENCY] * NS_PER_SECOND)
     weigh_epoch(f, i, valid)
     outage = valid - i[at.FIX_TIME] > i[cfg.GNSS_LOST_NS]
@@ -83,6 +83,17 @@ def gnss_step(f, i, e):
         find_heading(f, i, e, time)
     elif i[at.MODE] == LEVELLING:
         align_in_motion(f, i, e, time)
+
+
+@kernel
+def _go_on_without_samples(f, i, valid):
+    """The sensor is silent: time goes on by the epochs, position by velocity if there is one."""
+    if i[at.MODE] == NAVIGATING:
+        coast(f, i, valid)
+        return
+    i[at.TIME] = valid
+    i[at.HAVE_SAMPLE] = 0
+    begin_levelling(f, i)
 
 
 @kernel
