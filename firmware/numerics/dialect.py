@@ -115,9 +115,10 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
     """
     import numba
 
-    # The wrapper for C function pointers is never used; without it compilation is 8 % faster.
+    # The wrapper for C function pointers is never used; without it compilation is 8 % faster. Kernels make no
+    # arrays, so that array arguments need no reference counts: a call with two of them takes half the time.
     options: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
-    options["no_cfunc_wrapper"] = True
+    options |= {"no_cfunc_wrapper": True, "_nrt": False}
     folder = None
     source = Path(function.__code__.co_filename)
     if signature is not None and kept_as is not None and source.is_file():
