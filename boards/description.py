@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -13,6 +14,8 @@ from boards.validation import DescriptionError, read_toml, validated
 Matrix3 = tuple[tuple[FiniteFloat, FiniteFloat, FiniteFloat], ...]
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 Priority = Annotated[int, Field(ge=0, le=15, examples=[3])]
+PART_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
+"""Names of parts become parts of paths ("board.chips.U2.…"), figures ("cpu.mcu.load"), streams and files."""
 
 
 class Facts(BaseModel):
@@ -128,15 +131,22 @@ class Board(Facts):
 
     @model_validator(mode="after")
     def _references_lead_somewhere(self) -> Board:
-        owned: list[Mapping[str, Owned]] = [
-            self.buses,
-            self.uarts,
-            self.can,
-            self.logs,
-            self.pins,
-            self.timers,
-        ]
-        for table in owned:
+        owned: dict[str, Mapping[str, Owned]] = {
+            "buses": self.buses,
+            "uarts": self.uarts,
+            "can": self.can,
+            "logs": self.logs,
+            "pins": self.pins,
+            "timers": self.timers,
+        }
+        for heading, names in owned.items():
+            _must_be_plain(heading, names)
+        _must_be_plain("processors", self.processors)
+        _must_be_plain("chips", self.chips)
+        _must_be_plain("profiles", self.profiles)
+        for heading, processor in self.processors.items():
+            _must_be_plain(f"processors.{heading}.tasks", processor.tasks)
+        for table in owned.values():
             for name, part in table.items():
                 _must_be_known("processor", part.processor, self.processors, name)
         for refdes, chip in self.chips.items():
@@ -148,6 +158,14 @@ class Board(Facts):
                 _must_be_known("uart", str(chip.uart), self.uarts, refdes)
         _must_be_known("profile", self.default_profile, self.profiles, "default_profile")
         return self
+
+
+def _must_be_plain(heading: str, names: Iterable[str]) -> None:
+    for name in names:
+        if PART_NAME.fullmatch(name) is None:
+            raise ValueError(
+                f"[{heading}] {name!r}: a name consists of letters, digits, _ and -; for example {heading}.U2"
+            )
 
 
 def _must_be_known(kind: str, name: str, known: dict[str, Any], where: str) -> None:

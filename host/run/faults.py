@@ -48,21 +48,35 @@ class Placed:
 
 
 def name_of(fault: Fault) -> str:
-    """What a fault is called in results."""
+    """What a fault is called in results; no two faults of a scenario are called alike."""
     return fault.name or f"{fault.kind} {fault.target}"
 
 
 def place_faults(
-    faults: Sequence[Fault], board: AssembledBoard, sights: dict[str, ReceiverSight], seed: int
+    faults: Sequence[Fault],
+    board: AssembledBoard,
+    sights: dict[str, ReceiverSight],
+    seed: int,
+    duration_ns: int,
 ) -> list[Placed]:
-    """Install all faults. Raises UserError for a kind, target or parameter that does not exist."""
+    """Install all faults of a run of `duration_ns`.
+
+    Raises UserError for a kind, target or parameter that does not exist, and for a fault that could not
+    strike because the run ends before.
+    """
+    for fault in faults:
+        if fault.at_s * SECOND >= duration_ns:
+            raise UserError(
+                f"fault {name_of(fault)!r}: at_s = {fault.at_s:g} is not before the end of the run at"
+                f" {duration_ns / SECOND:g} s; for example at_s = {duration_ns / SECOND / 2:g}"
+            )
     return [_place(fault, board, sights, seed) for fault in faults]
 
 
 def _place(fault: Fault, board: AssembledBoard, sights: dict[str, ReceiverSight], seed: int) -> Placed:
     if fault.kind in GNSS_FAULT_KINDS:
         sight = _target(fault, sights, "receiver")
-        return Placed(fault, lambda: sight.fired(fault.name or fault.kind))
+        return Placed(fault, lambda: sight.fired(name_of(fault)))
     maker = KINDS.get(fault.kind)
     if maker is None:
         hint = did_you_mean(fault.kind, [*KINDS, *GNSS_FAULT_KINDS])
@@ -88,6 +102,13 @@ class Site:
     def of(self, table: dict[str, Any], what: str) -> Any:
         """The target in one of the board's tables."""
         return _target(self.fault, table, what)
+
+    @property
+    def stream(self) -> dict[str, Any]:
+        """Seed and name of the fault's own randomness; names of channels of chips hold no blanks."""
+        name, label = name_of(self.fault), f"{self.fault.kind} {self.fault.target}"
+        unnamed = name.startswith(label) and ":" not in name
+        return {"seed": self.seed, "name": name if unnamed else f"{label}: {name}"}
 
     def parameters(self, **defaults: Any) -> dict[str, Any]:
         """The fault's parameters over their defaults. Raises ValueError for an unknown one."""
@@ -121,7 +142,7 @@ def _on_spi(kind: type[wire_faults.SpiFault], **defaults: Any) -> Callable[[Site
     def place(site: Site) -> Callable[[], int]:
         options = site.parameters(**defaults)
         if kind is wire_faults.SpiBitErrors:
-            options |= {"seed": site.seed, "name": name_of(site.fault)}
+            options |= site.stream
         fault = kind(site.start, site.end, **options)
         fault.install(site.of(site.board.spi_devices, "SPI device"))
         return lambda: fault.fired
@@ -135,7 +156,7 @@ def _on_uart(
     def place(site: Site) -> Callable[[], int]:
         options = site.parameters(**defaults)
         if seeded:
-            options |= {"seed": site.seed, "name": name_of(site.fault)}
+            options |= site.stream
         times = (site.start,) if kind is wire_faults.UartGarbage else (site.start, site.end)
         fault = kind(*times, **options)
         fault.install(site.of(site.board.to_board, "UART"))

@@ -89,7 +89,9 @@ def _make_ready(request: RunRequest, setup: Setup, world: World) -> Ready:
         warm_up(setup.board, World(setup.scenario, request.seed, request.data_dir), request.notice)
         surroundings = Surroundings(world, request.out_dir)
         board = assemble(setup.board, setup.profile, surroundings)
-        faults = place_faults(setup.scenario.fault, board, surroundings.sights, request.seed)
+        faults = place_faults(
+            setup.scenario.fault, board, surroundings.sights, request.seed, world.duration_ns
+        )
     return Ready(surroundings, board, faults)
 
 

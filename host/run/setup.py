@@ -13,6 +13,7 @@ from host.record.result import RunRequest
 from host.sim.scenario.load import load_scenario, merged
 from host.sim.scenario.overrides import apply_overrides
 from host.sim.scenario.schema import Scenario
+from host.sim.seeding import LARGEST_SEED
 
 BOARD_PREFIX = "board."
 PROFILE_PREFIX = "profile."
@@ -30,8 +31,10 @@ class Setup:
 
 def resolve(request: RunRequest) -> Setup:
     """Find, override and validate. Raises UserError, DescriptionError or ScenarioError."""
-    if request.seed < 0:
-        raise UserError(f"--seed {request.seed}: a seed is a whole number from 0 on, for example --seed 1")
+    if not 0 <= request.seed <= LARGEST_SEED:
+        raise UserError(
+            f"--seed {request.seed}: a seed is a whole number in 0 … {LARGEST_SEED}, for example --seed 1"
+        )
     board_changes = _with_prefix(request.overrides, BOARD_PREFIX)
     profile_changes = _with_prefix(request.overrides, PROFILE_PREFIX)
     others = [change for change in request.overrides if not change.startswith((BOARD_PREFIX, PROFILE_PREFIX))]

@@ -49,6 +49,7 @@ def test_scenario_file(tmp_path: Path, text: str, words: list[str]) -> None:
         (["car_mems", "-s", "./nosuch.toml"], ["no such file"]),
         (["car_mems", "-p", "nosuch"], ["--profile nosuch", "full-rate"]),
         (["car_mems", "--seed", "-3"], ["--seed -3", "--seed 1"]),
+        (["car_mems", "--seed", str(2**32)], ["--seed 4294967296", "4294967295", "--seed 1"]),
         (["car_mems", "--seed", "abc"], ["--seed", "valid integer"]),
         (["car_mems", "--set", "nonsense"], ["--set nonsense", "key=value"]),
         (["car_mems", "--set", "gnss.nosuch=3"], ["unknown key gnss.nosuch = 3"]),
@@ -86,7 +87,17 @@ def test_command_line(tmp_path: Path, arguments: list[str], words: list[str]) ->
             ["parameters.probability = 'x'", "0.0001"],
         ),
         ('kind="gnss-time-jump",target="U3",at_s=1.0,parameters={offset_s="x"}', ["offset_s = 'x'", "50.0"]),
+        ('kind="gnss-time-jump",target="U3",at_s=1.0', ["'gnss-time-jump U3'", "by how much", "offset_s"]),
+        (
+            'kind="gnss-position-jump",target="U3",at_s=1.0,parameters={north_m=0.0}',
+            ["by how much", "down_m"],
+        ),
         ('kind="chip-off",target="U2",at_s=-1.0', ["at_s = -1.0", "120.0"]),
+        ('kind="chip-off",target="U2",at_s=600.0', ["at_s = 600", "end of the run at 600 s", "at_s = 300"]),
+        (
+            'kind="chip-off",target="U2",at_s=1.0,name="x"},{kind="uart-cut",target="gnss",at_s=1.0,name="x"',
+            ["two faults are called 'x'"],
+        ),
         ('kind="chip-off",target="U2",at_s=1.0,duration_s=0.0', ["duration_s = 0.0", "5.0"]),
     ],
 )
@@ -122,6 +133,7 @@ def test_board_without_what_its_program_asks_for(tmp_path: Path, change: str, wo
     ("change", "words"),
     [
         ("board.pins={}", ["GNSS_ENABLE", "no output pin drives"]),
+        ('board.logs={"../x"={processor="mcu"}}', ["[logs] '../x'", "letters"]),
         ('board.chips.U2.pins.INT9="X"', ["INT9", "INT1, INT2"]),
         ("board.buses.spi1.mode=1", ["buses.spi1.mode = 1", "0, 3"]),
         ("board.chips.U2.mounting=[[1,0,0],[0,1,0],[0,0,-1]]", ["reflection"]),

@@ -188,3 +188,20 @@ def test_reset_between_two_looks_of_the_host_keeps_the_times_of_both_lives() -> 
     assert (t[1:] > t[:-1]).all()
     assert ((t > 100.0) & (t < 110.0)).sum() > 95
     assert found.worst(125.0) < STEADY_M
+
+
+def test_faults_of_one_kind_and_target_have_names_and_randomness_of_their_own() -> None:
+    one = broken("uart-bit-errors", "gnss", 20.0, 20.0, probability=1e-3).removeprefix("fault=[").rstrip("]")
+    later = one.replace("at_s = 20.0", "at_s = 40.0")
+    jump = broken("gnss-time-jump", "U3", 50.0, 3.0, offset_s=3600.0).removeprefix("fault=[").rstrip("]")
+    longer = jump.replace("duration_s = 3.0", "duration_s = 5.0")
+    found = drive("duration_s=61", f"fault=[{one}, {later}, {jump}, {longer}]")
+    names = [fault.name for fault in found.result.faults]
+    assert names == [
+        *("uart-bit-errors gnss", "uart-bit-errors gnss 2"),
+        *("gnss-time-jump U3", "gnss-time-jump U3 2"),
+    ]
+    flipped, flipped_later, jumped, jumped_longer = (fault.fired for fault in found.result.faults)
+    assert flipped > 0
+    assert flipped_later > 0
+    assert (jumped, jumped_longer) == (3, 5)

@@ -3,7 +3,7 @@
 | kind | parameters |
 | --- | --- |
 | gnss-time-jump | offset_s: the reported time is off by this much |
-| gnss-position-jump | north_m, east_m, down_m: the reported position is off by this much |
+| gnss-position-jump | north_m, east_m, down_m: the reported position is off by this much; at least one |
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _PARAMETERS = {TIME_JUMP: ("offset_s",), POSITION_JUMP: ("north_m", "east_m", "d
 def glitches_of(faults: Sequence[Fault], receiver: str, end_ns: int) -> list[Glitch]:
     """The faults that strike the receiver called `receiver`; without a duration they last to `end_ns`.
 
-    Raises ScenarioError when a parameter is unknown or not a number.
+    Raises ScenarioError when a parameter is unknown or not a number, or none says by how much.
     """
     return [
         _glitch(fault, end_ns)
@@ -33,7 +33,7 @@ def glitches_of(faults: Sequence[Fault], receiver: str, end_ns: int) -> list[Gli
 
 
 def _glitch(fault: Fault, end_ns: int) -> Glitch:
-    name = fault.name or fault.kind
+    name = fault.name or f"{fault.kind} {fault.target}"
     values = dict.fromkeys(_PARAMETERS[fault.kind], 0.0)
     for key, value in fault.parameters.items():
         if key not in values or isinstance(value, bool) or not isinstance(value, int | float):
@@ -42,6 +42,12 @@ def _glitch(fault: Fault, end_ns: int) -> Glitch:
                 f"fault {name!r}: parameters.{key} = {value!r} is no number known here; for example {known}"
             )
         values[key] = float(value)
+    if not any(values.values()):
+        known = ", ".join(f"{k} = 50.0" for k in values)
+        raise ScenarioError(
+            f"fault {name!r}: parameters = {fault.parameters!r} must say by how much {fault.kind} is off;"
+            f" for example parameters = {{ {known} }}"
+        )
     start_ns = round(fault.at_s * NS)
     stop_ns = end_ns if fault.duration_s is None else start_ns + round(fault.duration_s * NS)
     window = Window(start_ns, max(start_ns, stop_ns))

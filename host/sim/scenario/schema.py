@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationError, field_validator, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, field_validator, model_validator
 
 from host.sim.errors.presets import load_preset
 from host.sim.errors.schema import ImuErrors
@@ -142,8 +142,31 @@ class Fault(Table):
     target: str = Field(min_length=1, examples=["gnss"])
     at_s: NotNegative = Field(examples=[120.0])
     duration_s: Positive | None = Field(default=None, examples=[5.0])
-    name: str | None = Field(default=None, examples=["receiver unplugged"])
+    name: str | None = Field(default=None, min_length=1, examples=["receiver unplugged"])
+    """No two faults have the same; left out it is kind and target, numbered from the second on."""
     parameters: dict[str, float | int | str | bool | list[float]] = Field(default_factory=dict)
+
+
+def _with_names(faults: list[Fault]) -> list[Fault]:
+    given = [fault.name for fault in faults if fault.name is not None]
+    for name in given:
+        if given.count(name) > 1:
+            raise ValueError(f"two faults are called {name!r}; give each a name of its own")
+    taken = set(given)
+    named = []
+    for fault in faults:
+        own = fault.name or _free_name(f"{fault.kind} {fault.target}", taken)
+        taken.add(own)
+        named.append(fault.model_copy(update={"name": own}))
+    return named
+
+
+def _free_name(wanted: str, taken: set[str]) -> str:
+    name, number = wanted, 1
+    while name in taken:
+        number += 1
+        name = f"{wanted} {number}"
+    return name
 
 
 class RecordingSource(Table):
@@ -216,7 +239,7 @@ class Scenario(Table):
     imu: ImuErrors = ImuErrors()
     gnss: GnssSettings = GnssSettings()
     outage: list[OutageWindow] = Field(default=[], examples=[[{"start_s": 300.0, "duration_s": 60.0}]])
-    fault: list[Fault] = Field(default_factory=list)
+    fault: Annotated[list[Fault], AfterValidator(_with_names)] = Field(default_factory=list)
     recording: RecordingSource | None = Field(default=None, examples=[{"file": "comma2k19/example_1.npz"}])
     board: dict[str, Any] = Field(default={}, examples=[{"chips": {"U3": {"lever_arm_m": [0.0, 0.0, 0.0]}}}])
     """What of the board's description is otherwise in this scenario: the same tables, merged key by key."""
