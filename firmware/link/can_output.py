@@ -13,6 +13,7 @@ The counter is one for all five frames of a set. Values are meant only when the 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from struct import Struct
 from typing import Any, Final
 
 import numpy as np
@@ -25,6 +26,8 @@ from hal.can import CanFrame
 BASE_IDENTIFIER: Final = 0x310
 FRAME_BYTES: Final = 8
 FRAME_COUNT: Final = 5
+EIGHT_BYTES: Final = Struct("8s" * FRAME_COUNT).unpack
+NOT_EXTENDED: Final = (False,) * FRAME_COUNT
 
 
 class CanOutput:
@@ -58,7 +61,5 @@ class CanOutput:
         self._integers[:] = (lat_nanodeg, lon_nanodeg, time_of_day_ms, mode, flags, self._counter)
         self._counter = (self._counter + 1) & 15
         self._scale(self._floats, self._integers, self._bytes)
-        data = bytes(self._buffer)
-        return tuple(
-            [CanFrame(identifier, data[8 * k : 8 * k + 8]) for k, identifier in enumerate(self._identifiers)]
-        )
+        columns = (self._identifiers, EIGHT_BYTES(self._buffer), NOT_EXTENDED)
+        return tuple(map(CanFrame._make, zip(*columns, strict=True)))

@@ -35,6 +35,8 @@ class CanNode:
     def send(self, frames: tuple[CanFrame, ...]) -> int:
         """Queue frames in order and return how many were taken. ValueError for one that CAN does not have."""
         bus = self.bus
+        if bus.carry(self, frames):
+            return len(frames)
         bus.catch_up()
         room = self.depth - len(self.queue) - self.planned
         taken = frames[:room] if room > 0 else ()
@@ -81,6 +83,8 @@ class EmulatedCanController(CanNode):
         """Wire the receive interrupt: request `line` at the end of every frame received."""
         self._line = line
         self.prompt = True
+        self.bus.catch_up()
+        self.bus.replan()
 
     def receive(self) -> CanFrame | None:
         """The oldest frame received, or None."""

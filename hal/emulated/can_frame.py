@@ -7,11 +7,16 @@ After five equal bits from the start of frame to the end of the CRC follows one 
 counts for the next five. The CRC has the polynomial x¹⁵+x¹⁴+x¹⁰+x⁸+x⁷+x⁴+x³+1 (0x4599), start value 0, over
 the unstuffed bits before it (fact sheet, section 4; CAN specification 2.0, part B).
 
-Both the CRC and the stuffing go a byte at a time through tables.
+Both the CRC and the stuffing go a byte at a time through tables: `frame_bits` for one frame,
+`frame_lengths` for many side by side.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hal.can import CanFrame
 
@@ -19,6 +24,8 @@ CRC_POLYNOMIAL = 0x4599
 TRAILER_BITS = 10
 """CRC delimiter, acknowledge slot and delimiter, end of frame."""
 INTERFRAME_BITS = 3
+LONGEST_FRAME_BITS = 157
+"""An extended frame of 8 bytes, 128 bits, with a stuff bits after the first five and every four behind."""
 
 
 def _crc_of_byte(byte: int) -> int:
@@ -67,8 +74,8 @@ STUFF_ROWS = _linked_table()
 
 
 @lru_cache(maxsize=4096)
-def _header(identifier: int, extended: bool, length: int) -> tuple[int, list[Any], int]:
-    """CRC and row of the stuffing state before the data; bits of the frame without the stuff bits behind."""
+def _header(identifier: int, extended: bool, length: int) -> tuple[int, int, int]:
+    """CRC and stuffing state before the data; bits of the frame without the stuff bits behind."""
     limit = 0x1FFF_FFFF if extended else 0x7FF
     if not 0 <= identifier <= limit:
         kind = "29-bit" if extended else "11-bit"
@@ -84,7 +91,7 @@ def _header(identifier: int, extended: bool, length: int) -> tuple[int, list[Any
     for shift in range(-(-bits // 8) * 8 - 8, -1, -8):
         crc = (crc << 8 & 0x7FFF) ^ CRC_TABLE[(crc >> 7 ^ value >> shift) & 0xFF]
     state, stuffed = _stuff(0, value, bits - 1)
-    return crc, STUFF_ROWS[state], bits + stuffed + 8 * length + 15 + TRAILER_BITS
+    return crc, state, bits + stuffed + 8 * length + 15 + TRAILER_BITS
 
 
 def frame_bits(frame: CanFrame) -> int:
@@ -93,7 +100,8 @@ def frame_bits(frame: CanFrame) -> int:
     Raises ValueError for a frame that CAN 2.0 does not have.
     """
     identifier, data, extended = frame
-    crc, row, bits = _header(identifier, extended, len(data))
+    crc, state, bits = _header(identifier, extended, len(data))
+    row = STUFF_ROWS[state]
     table = CRC_TABLE
     for byte in data:
         crc = (crc & 0x7F) << 8 ^ table[crc >> 7 ^ byte]
@@ -101,6 +109,43 @@ def frame_bits(frame: CanFrame) -> int:
         bits += stuffed
     row, stuffed = row[crc >> 7]
     return bits + stuffed + row[256 + (crc & 0x7F)]
+
+
+def check_frame(frame: CanFrame) -> None:
+    """Raise ValueError for a frame that CAN 2.0 does not have."""
+    _header(frame[0], frame[2], len(frame[1]))
+
+
+@lru_cache(maxsize=1)
+def _arrays() -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """CRC of a byte; stuffing state after a byte or a tail of seven bits and stuff bits in it, by state."""
+    symbols = [(byte, 8) for byte in range(256)] + [(tail, 7) for tail in range(128)]
+    stuffing = np.array([[_stuff(state, *symbol) for symbol in symbols] for state in range(8)])
+    return np.array(CRC_TABLE), stuffing[:, :, 0], stuffing[:, :, 1]
+
+
+def frame_lengths(frames: Sequence[CanFrame]) -> list[int]:
+    """`frame_bits` of every frame."""
+    full = [n for n, frame in enumerate(frames) if len(frame[1]) == 8]
+    if len(full) < 8:
+        return [frame_bits(frame) for frame in frames]
+    crc_of_byte, state_after, stuff_bits = _arrays()
+    heads = [_header(frames[n][0], frames[n][2], 8) for n in full]
+    crc = np.array([head[0] for head in heads])
+    state = np.array([head[1] for head in heads])
+    bits = np.array([head[2] for head in heads])
+    data = np.frombuffer(b"".join([frames[n][1] for n in full]), np.uint8).reshape(-1, 8)
+    for byte in data.T.astype(np.int64):
+        crc = (crc & 0x7F) << 8 ^ crc_of_byte[crc >> 7 ^ byte]
+        bits += stuff_bits[state, byte]
+        state = state_after[state, byte]
+    for symbol in (crc >> 7, 256 + (crc & 0x7F)):
+        bits += stuff_bits[state, symbol]
+        state = state_after[state, symbol]
+    lengths = [0] * len(frames) if len(full) == len(frames) else [frame_bits(frame) for frame in frames]
+    for n, length in zip(full, bits.tolist(), strict=True):
+        lengths[n] = length
+    return lengths
 
 
 def arbitration_key(frame: CanFrame) -> int:

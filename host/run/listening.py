@@ -8,15 +8,20 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from struct import Struct
 
 from boards.assembly import AssembledBoard
-from hal.can import CanFrame
+from hal.emulated.can_bus import EmulatedCanBus
 from hal.emulated.uart_receiver import LateReceiver
 from hal.emulated.uart_wire import UartWire
-from host.capture.writer import CaptureWriter, UartRecorder
+from host.capture.writer import CanRecorder, CaptureWriter, UartRecorder
 
 CAPTURE_NS = 160_000_000
 """With the capture's own 0.8 s this keeps what a killed process loses below a second."""
+
+
+FRAME_HEAD = Struct("<qI?B")
+"""End of the frame in ns, identifier, whether it has 29 bits, bytes of data."""
 
 
 class WireEar:
@@ -35,9 +40,33 @@ class WireEar:
         return b"".join([data for data, _end_ns in pieces])
 
 
+class CanEar:
+    """One CAN bus."""
+
+    def __init__(self, bus: EmulatedCanBus, record: CanRecorder | None) -> None:
+        self._listener = bus.listen_late()
+        self._record = record
+
+    def take(self) -> bytes:
+        """All frames that have ended since the last time, as bytes that tell end, identifier and data; every
+        frame goes to the capture."""
+        heard = self._listener.take()
+        if self._record is not None:
+            for (identifier, data, extended), end_ns in heard:
+                self._record(end_ns, identifier, extended, data)
+        pack = FRAME_HEAD.pack
+        return b"".join(
+            [
+                pack(end_ns, identifier, extended, len(data)) + data
+                for (identifier, data, extended), end_ns in heard
+            ]
+        )
+
+
 class Ears:
     """Listens to every wire. `hexdigest` is the run's state hash: SHA-256 over what the board sent on each
-    wire, wire by wire, and its final navigation state."""
+    wire, wire by wire (of CAN frames also when and under what identifier), and its final navigation state.
+    """
 
     def __init__(
         self,
@@ -58,10 +87,11 @@ class Ears:
             for port, wire in board.to_board.items()
             if capture is not None
         ]
-        self._can_bytes = {name: bytearray() for name in board.can_buses}
+        self._can_ears = {
+            name: CanEar(bus, None if capture is None else capture.can_recorder(name))
+            for name, bus in board.can_buses.items()
+        }
         self._hashes = {name: hashlib.sha256() for name in (*board.from_board, *board.can_buses)}
-        for name, bus in board.can_buses.items():
-            bus.listen(self._can_listener(name))
         if capture is not None:
             for name, device in board.spi_devices.items():
                 device.observer = capture.spi_recorder(f"{device.bus.name}.{name}")
@@ -77,9 +107,8 @@ class Ears:
                     self._to_host(data)
         for ear in self._to_board:
             ear.take()
-        for name, heard in self._can_bytes.items():
-            self._hashes[name].update(heard)
-            heard.clear()
+        for name, can_ear in self._can_ears.items():
+            self._hashes[name].update(can_ear.take())
 
     def hexdigest(self) -> str:
         """The hash, after the run."""
@@ -96,22 +125,3 @@ class Ears:
 
     def _uart_recorder(self, port: str, direction: str) -> UartRecorder | None:
         return None if self._capture is None else self._capture.uart_recorder(port, direction)
-
-    def _can_listener(self, name: str) -> Callable[[CanFrame, int], None]:
-        heard = self._can_bytes[name]
-        if self._capture is None:
-
-            def hear(frame: CanFrame, _end_ns: int) -> None:
-                nonlocal heard
-                heard += frame[1]
-
-            return hear
-        record = self._capture.can_recorder(name)
-
-        def hear_and_record(frame: CanFrame, end_ns: int) -> None:
-            nonlocal heard
-            identifier, data, extended = frame
-            heard += data
-            record(end_ns, identifier, extended, data)
-
-        return hear_and_record

@@ -1,0 +1,65 @@
+"""Sets of CAN frames that found the bus idle and go through one behind the other, worked out when asked for.
+
+A board that sends its solution ten times a second on a quiet bus is the common case: nobody competes,
+nobody waits for a frame's end. Such a set is kept as it was sent; where each frame ends, which takes its
+CRC and its stuff bits, is computed for all kept sets at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from hal.can import CanFrame
+from hal.emulated.can_frame import INTERFRAME_BITS, LONGEST_FRAME_BITS, frame_lengths
+from hal.emulated.virtual_time import SECOND
+
+if TYPE_CHECKING:
+    from hal.emulated.can import CanNode
+    from hal.emulated.can_bus import EmulatedCanBus
+
+LONGEST_NS = (LONGEST_FRAME_BITS + INTERFRAME_BITS) * SECOND
+MOST_KEPT = 1024
+
+
+class CanBursts:
+    """The kept sets of one bus, in order of time."""
+
+    def __init__(self, bitrate: int) -> None:
+        self.over_by = 0
+        """When the last set has ended for sure (ns)."""
+        self._bitrate = bitrate
+        self._kept: list[tuple[int, CanNode, tuple[CanFrame, ...]]] = []
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    def keep(self, begin: int, node: CanNode, frames: tuple[CanFrame, ...]) -> None:
+        """Frames of `node`, the first of which begins at `begin` (ns), not before `over_by`."""
+        self._kept.append((begin, node, frames))
+        self.over_by = begin + len(frames) * LONGEST_NS // self._bitrate
+
+    def work_out(self) -> Iterator[tuple[int, CanNode, tuple[CanFrame, ...], list[int]]]:
+        """(begin in ns, node, frames, length of each in bits) of every kept set; nothing is kept any more."""
+        kept, self._kept = self._kept, []
+        lengths = iter(frame_lengths([frame for _begin, _node, frames in kept for frame in frames]))
+        for begin, node, frames in kept:
+            yield begin, node, frames, [next(lengths) for _ in frames]
+
+
+class LateCanListener:
+    """A listener in no hurry: it is not called but asked, so that no event is spent on it."""
+
+    def __init__(self, bus: EmulatedCanBus) -> None:
+        self._bus = bus
+        self._heard: list[tuple[CanFrame, int]] = []
+
+    def hear(self, frame: CanFrame, end_ns: int) -> None:
+        """From the bus: a frame that got through."""
+        self._heard.append((frame, end_ns))
+
+    def take(self) -> list[tuple[CanFrame, int]]:
+        """(frame, end in ns) of every frame that has ended by now, each given once."""
+        self._bus.catch_up()
+        heard, self._heard = self._heard, []
+        return heard

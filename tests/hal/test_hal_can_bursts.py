@@ -1,0 +1,133 @@
+"""Sets of frames on an idle bus take a short way; nobody on the bus may be able to tell."""
+
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from hal.can import CanFrame
+from hal.emulated.can import CanNode, EmulatedCanBus
+from hal.emulated.can_frame import LONGEST_FRAME_BITS, frame_bits, frame_lengths
+from hal.emulated.virtual_time import SECOND, VirtualTime
+
+MS = 1_000_000
+BITRATE = 250_000
+
+FRAMES = st.one_of(
+    st.builds(CanFrame, st.integers(0, 0x7FF), st.binary(max_size=8)),
+    st.builds(CanFrame, st.integers(0, 0x1FFF_FFFF), st.binary(max_size=8), st.just(True)),
+    st.builds(CanFrame, st.integers(0, 0x7FF), st.binary(min_size=8, max_size=8)),
+)
+STEPS = st.lists(
+    st.tuples(
+        st.integers(0, 30 * MS),
+        st.sampled_from(["send", "send", "send", "send other", "ask", "disturb", "withdraw"]),
+        st.lists(FRAMES, min_size=1, max_size=5).map(tuple),
+    ),
+    max_size=12,
+)
+
+
+@given(st.lists(FRAMES, max_size=40))
+def test_lengths_side_by_side_are_those_of_each_frame(frames: list[CanFrame]) -> None:
+    assert frame_lengths(frames) == [frame_bits(frame) for frame in frames]
+
+
+def test_longest_frame_is_reached() -> None:
+    """Every run of five, then of four equal bits: identifier and data of alternating groups."""
+    longest = max(
+        frame_bits(CanFrame(identifier, bytes((byte,)) * 8, True))
+        for identifier in (0, 0x0783_C3C3, 0x1FFF_FFFF)
+        for byte in (0x00, 0x0F, 0x1E, 0x3C, 0x78, 0xF0, 0xE1, 0xC3, 0x87, 0xFF)
+    )
+    assert longest <= LONGEST_FRAME_BITS
+    assert longest > LONGEST_FRAME_BITS - 12
+
+
+class Bench:
+    """Two nodes and a listener, `prompt` (told by events) or late; what it heard and what counters say."""
+
+    def __init__(self, prompt: bool) -> None:
+        self.time = VirtualTime()
+        self.bus = EmulatedCanBus(self.time, BITRATE)
+        self.node = CanNode(self.bus, "node", depth=16)
+        self.other = CanNode(self.bus, "other", depth=16)
+        self.heard: list[tuple[CanFrame, int]] = []
+        self.counters: list[tuple[int, int, int, str]] = []
+        self.taken: list[int] = []
+        self.late = None if prompt else self.bus.listen_late()
+        if prompt:
+            self.bus.listen(lambda frame, end: self.heard.append((frame, end)))
+
+    def play(self, steps: list[tuple[int, str, tuple[CanFrame, ...]]]) -> None:
+        now = 0
+        for wait, what, frames in steps:
+            now += wait
+            self.time.at(now, lambda what=what, frames=frames: self._do(what, frames))  # type: ignore[misc]
+        self.time.at(now + 2 * SECOND, lambda: None)
+        while self.time.next_due <= now + 2 * SECOND:
+            self.time.run_next()
+        self._do("ask", ())
+
+    def _do(self, what: str, frames: tuple[CanFrame, ...]) -> None:
+        bus = self.bus
+        if what == "send":
+            self.taken.append(self.node.send(frames))
+        elif what == "send other":
+            self.taken.append(self.other.send(frames))
+        elif what == "withdraw":
+            bus.withdraw(self.node)
+        elif what == "disturb":
+            bus.begin_disturbance(_nothing)
+            self.time.at(self.time.now + MS, lambda: bus.end_disturbance(_nothing))
+        else:
+            self.counters.append((bus.frames, bus.busy_ns, bus.error_frames, self.node.state))
+            if self.late is not None:
+                self.heard += self.late.take()
+
+
+def _nothing() -> None:
+    pass
+
+
+@settings(max_examples=150, deadline=None)
+@given(STEPS)
+def test_late_listener_hears_what_a_prompt_one_hears(
+    steps: list[tuple[int, str, tuple[CanFrame, ...]]],
+) -> None:
+    prompt, late = Bench(prompt=True), Bench(prompt=False)
+    prompt.play(steps)
+    late.play(steps)
+    assert late.heard == prompt.heard
+    assert late.counters == prompt.counters
+    assert late.taken == prompt.taken
+
+
+def test_sets_on_an_idle_bus_cost_no_event() -> None:
+    bench = Bench(prompt=False)
+    frames = tuple(CanFrame(0x100 + n, bytes(8)) for n in range(5))
+    for _ in range(3000):
+        assert bench.node.send(frames) == 5
+        bench.time.now += 100 * MS
+    assert bench.time.events_run == 0
+    bench._do("ask", ())
+    assert len(bench.heard) == 15_000
+    assert bench.bus.frames == 15_000
+
+
+def test_receiver_that_polls_gets_frames_of_a_kept_set() -> None:
+    time = VirtualTime()
+    bus = EmulatedCanBus(time, BITRATE)
+    sender = CanNode(bus, "sender")
+    received: list[tuple[CanFrame, int]] = []
+
+    class Receiver(CanNode):
+        def deliver(self, frame: CanFrame, end_ns: int) -> None:
+            received.append((frame, end_ns))
+
+    Receiver(bus, "receiver")
+    bus.listen_late()
+    first, second = CanFrame(1, b"\x55"), CanFrame(2, b"\xaa")
+    sender.send((first, second))
+    end = frame_bits(first) * SECOND // BITRATE
+    time.now = end
+    bus.catch_up()
+    assert received == [(first, end)]
