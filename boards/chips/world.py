@@ -26,7 +26,7 @@ class ImuWorld(Protocol):
         density n per √Hz comes out with σ = n √bandwidth.
 
         `times_ns` rises strictly within one call. A later call may start earlier than the previous one
-        ended when the chip was reconfigured, by at most one second.
+        ended when the chip was reconfigured, by at most eight seconds.
         """
         ...
 

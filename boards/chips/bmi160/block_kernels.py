@@ -9,8 +9,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-STRIDE = 13
-"""Bytes of a block's image a sample: a zero, six of the gyroscope, six of the accelerometer."""
+STRIDE = 16
+"""Bytes of a sample in a block: a zero, six of the gyroscope, six of the accelerometer, three of the time."""
+DATA_END = 13
+"""Where the data registers of a sample end and its sensor time begins."""
 
 
 @njit(cache=True, error_model="numpy")
@@ -25,11 +27,17 @@ def fill_frames(
     values: NDArray[np.float64],
     scale: NDArray[np.float64],
     bias: NDArray[np.float64],
+    first_tick: int,
+    grid: int,
     frames: NDArray[np.uint8],
 ) -> None:
-    """Counts of specific force and rate (n, ≥ 6) into frames (n, 13): saturated 16 bits, little endian."""
+    """Counts of specific force and rate (n, ≥ 6) into frames (n, 16): saturated 16 bits, little endian, and
+    the sensor time first_tick + i·grid."""
     for i in range(len(values)):
+        tick = first_tick + i * grid
         frames[i, 0] = 0
+        for byte in range(3):
+            frames[i, 13 + byte] = (tick >> 8 * byte) & 0xFF
         for axis in range(6):
             counts = np.rint(values[i, axis] * scale[axis] + bias[axis])
             word = int(min(max(counts, -32768.0), 32767.0))

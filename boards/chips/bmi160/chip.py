@@ -1,7 +1,9 @@
 """The BMI160 as a part on a board: the common read in a short way, interrupt pins and their events.
 
 The common access, sixteen bytes from 0x0C on (address byte, gyroscope, accelerometer, sensor time), is cut
-out of the sampler's block image without further ado; everything else takes the general way (`bus_side`).
+out of the sampler's block image without further ado: one slice while the sensor time is still that of the
+sample, which is how a reader that data ready has woken finds it; later than that the sensor time is put in
+anew. Everything else takes the general way (`bus_side`).
 
 Events exist only while somebody follows a pin that the firmware drives from an enabled source. For
 non-latched data ready alone, the usual case, that is one event a sample.
@@ -11,7 +13,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 
-from boards.chips.bmi160.block_kernels import STRIDE
+from boards.chips.bmi160.block_kernels import DATA_END, STRIDE
 from boards.chips.bmi160.bus_side import BusSide
 from boards.chips.bmi160.interrupts import NON_LATCHED, Source
 from boards.chips.bmi160.pins import PIN_NAMES, PinNet
@@ -43,6 +45,8 @@ class Bmi160(BusSide):
         "_event_times",
         "_expect_read",
         "_fast_to",
+        "_fresh_ns",
+        "_fresh_to",
         "_image",
         "_net",
         "_next_ns",
@@ -86,6 +90,8 @@ class Bmi160(BusSide):
         self._next_row = 0
         self._fast_to = 0
         """The short way serves reads before this time (ns); 0 while it is closed."""
+        self._fresh_ns = self._fresh_to = 0
+        """A tick of the sensor time, and until when it is the newest sample's; 0 while the way is closed."""
         self._times: list[int] = []
         self._image = b""
         self._at = self._next_ns = 0
@@ -98,30 +104,38 @@ class Bmi160(BusSide):
 
     def transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
         """One chip-select low period; see `hal.emulated.spi.SpiSlave`."""
-        if start_ns < self._fast_to and mosi[0] == _BURST and len(mosi) == _BURST_LENGTH:
-            if start_ns >= self._next_ns:
-                self._find_row(start_ns)
-            self._burst_ns = start_ns
-            if self._pulsing:
-                self._pulsing = False
-                self._expect_read = True
-                self._net.set(not self._active)  # type: ignore[union-attr]
-            at = self._at
-            tick = (start_ns * self._denominator + self._tick_bias) // self._numerator & COUNTER_MASK
-            return self._image[at : at + STRIDE] + tick.to_bytes(3, "little")
-        return self._transaction(mosi, start_ns, end_ns)
+        if start_ns >= self._fast_to or mosi[0] != _BURST or len(mosi) != _BURST_LENGTH:
+            return self._transaction(mosi, start_ns, end_ns)
+        self._burst_ns = start_ns
+        if self._pulsing:
+            self._pulsing = False
+            self._expect_read = True
+            self._net.set(not self._active)  # type: ignore[union-attr]
+        if start_ns >= self._fresh_to:
+            return self._later_burst(start_ns)
+        at = self._at
+        return self._image[at : at + STRIDE]
+
+    def _later_burst(self, time_ns: int) -> bytes:
+        """The newest sample at a time inside the block, with the sensor time of that moment."""
+        if time_ns >= self._next_ns:
+            self._find_row(time_ns)
+        at = self._at
+        tick = (time_ns * self._denominator + self._tick_bias) // self._numerator & COUNTER_MASK
+        return self._image[at : at + DATA_END] + tick.to_bytes(3, "little")
 
     def _find_row(self, time_ns: int) -> None:
         """Move the short way to the newest sample at a time inside the block."""
         row = bisect_right(self._times, time_ns) - 1
         self._at = row * STRIDE
         self._next_ns = self._times[row + 1]
+        self._fresh_to = self._times[row] + self._fresh_ns
 
     def _arm_short_way(self, time_ns: int) -> None:
         """Let the common burst read be served from the block, where nothing but time can change it."""
         data = self._core.data
         sampler = data.sampler
-        self._fast_to = 0
+        self._close_short_way()
         if not self._spi or not self._drives_data() or time_ns < self._settled_ns:
             return
         if sampler.first_tick == sampler.end_tick or not sampler.times[0] <= time_ns < sampler.times[-1]:
@@ -133,7 +147,11 @@ class Bmi160(BusSide):
         self._numerator, self._denominator = data.clock.numerator, data.clock.denominator
         self._tick_bias = (1 - data.clock.start_ns) * self._denominator - 1
         self._fast_to = sampler.times[-1] if due is None else min(sampler.times[-1], due)
+        self._fresh_ns = self._numerator // self._denominator
         self._find_row(time_ns)
+
+    def _close_short_way(self) -> None:
+        self._fast_to = self._fresh_to = self._fresh_ns = 0
 
     # -- pins and events -----------------------------------------------------------------------------
 
@@ -157,7 +175,7 @@ class Bmi160(BusSide):
             self._event = None
         self._net = None
         self._pulsing = self._pulse_ends = self._expect_read = False
-        self._fast_to = 0
+        self._close_short_way()
 
     def _schedule(self, time_ns: int) -> None:
         """Bring the pins up to date and choose the event that keeps them so."""
@@ -239,23 +257,20 @@ class Bmi160(BusSide):
         net = self._net
         assert net is not None
         if self._pulse_ends:
-            self._pulse_ends = False
-            if self._pulsing:
-                self._pulsing = False
-                net.set(not self._active)
-            return self._event_times[self._next_row]
-        times = self._event_times
+            return self._end_pulse(net)
         row = self._next_row
-        if row == len(times) - 1:
+        try:
+            next_ns = self._event_times[row + 1]
+        except IndexError:
             if not net.listened:
                 self._schedule(self._time.now)
                 return None
             self._next_block()
-            times, row = self._event_times, 0
-        next_ns = times[row + 1]
+            row, next_ns = 0, self._event_times[1]
         self._next_row = row + 1
         self._at = row * STRIDE
         self._next_ns = next_ns
+        self._fresh_to = self._time.now + self._fresh_ns
         if self._pulsing:
             self._expect_read = False
             net.set(not self._active)
@@ -265,6 +280,14 @@ class Bmi160(BusSide):
             return next_ns
         self._pulse_ends = True
         return self._time.now + self._core.data.interrupts.pulse_ns
+
+    def _end_pulse(self, net: PinNet) -> int:
+        """Event: nobody read in time. Returns when the next sample comes."""
+        self._pulse_ends = False
+        if self._pulsing:
+            self._pulsing = False
+            net.set(not self._active)
+        return self._event_times[self._next_row]
 
     def _next_block(self) -> None:
         now = self._time.now

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import pairwise
-from math import pi, radians
+from math import ceil, floor, pi, radians
 from struct import unpack
 
 import numpy as np
@@ -265,6 +265,22 @@ def test_sensor_time_in_the_common_burst_is_the_counter_at_its_start() -> None:
         assert int.from_bytes(data[13:], "little") == int(time * clock + clock * Fraction(999_999, 1_000_000))
 
 
+@pytest.mark.parametrize("ppm", [-99_999.0, 0.0, 5000.0, 99_999.0])
+def test_sensor_time_right_after_data_ready_at_the_borders_of_the_counter(ppm: float) -> None:
+    rig = data_ready_rig(clock_error_ppm=ppm)
+    rig.start()
+    rate = Fraction(25_600) * (1 + Fraction(round(ppm * 1000), 10**9)) / 10**9
+    for ticks in (0, 1, 2, 3, 200):
+        for offset_ns in (-1, 0, 1):
+            rig.spi(b"\x8c" + bytes(15))
+            rig.until(rig.time.next_due)
+            sampled = ceil((rig.time.now + 1) * rate) - 1
+            rig.until(max(rig.time.now, floor((sampled + ticks) / rate) + offset_ns))
+            expected = ceil((rig.time.now + 1) * rate) - 1
+            assert expected - sampled == (ticks - 1 if offset_ns < 0 and ticks else ticks)
+            assert int.from_bytes(rig.spi(b"\x8c" + bytes(15))[13:], "little") == expected
+
+
 @settings(max_examples=200, deadline=None)
 @given(ppb=st.integers(-50_000_000, 50_000_000), start=st.integers(0, 10**12), tick=st.integers(0, 10**10))
 def test_tick_and_instant_are_inverse(ppb: int, start: int, tick: int) -> None:
@@ -412,10 +428,15 @@ def test_reading_after_a_long_time_costs_one_block() -> None:
     assert len(rig.world.calls) == calls + 1
 
 
-def test_world_is_asked_in_blocks_of_less_than_a_second() -> None:
+def test_world_is_asked_in_long_blocks_after_a_first_short_one() -> None:
     rig = data_ready_rig()
     rig.start()
-    rig.wait(10_000 * MS)
+    rig.wait(20_000 * MS)
     blocks = [call for call in rig.world.calls if call[2] > 1]
-    assert all(call[2] == 88 for call in blocks)
-    assert all(call[1] - call[0] == 870 * MS for call in blocks)
+    steady = next(k for k, call in enumerate(blocks) if call[2] != 88)
+    assert steady > 0
+    assert len(blocks) > steady + 1
+    for first_ns, last_ns, count, _ in blocks[steady:]:
+        assert count == 704
+        assert last_ns - first_ns == 7030 * MS
+    assert all(later[0] - earlier[1] == 10 * MS for earlier, later in pairwise(blocks[steady - 1 :]))
