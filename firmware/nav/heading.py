@@ -5,7 +5,10 @@ integrated in the level axes n', tells whether the vehicle drives forward or bac
 course + 180°. The vehicle's axes may be turned in body axes by the mounting yaw, which begins at 0 with its
 own uncertainty, and the error of the yaw found is tied to it (initial_covariance).
 
-While navigating, a course that contradicts the yaw for some seconds at speed tells that yaw is wrong.
+While navigating, a course that contradicts the yaw for some seconds at speed tells that yaw is wrong. A
+course opposite to it is a vehicle that drives backwards as long as the velocity measured agrees with the
+inertial one; with yaw itself turned round, the first acceleration goes the wrong way and the velocity is
+refused.
 """
 
 import math
@@ -33,6 +36,7 @@ from firmware.numerics.trigonometry import arc_tangent2, sine_cosine
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
+HALF_PI = np.float32(1.57079632679490)
 PI = np.float32(3.14159265358979)
 TWO_PI = np.float32(6.28318530717959)
 LEVEL_VARIANCE = np.float32(2.0e-3 * 2.0e-3)
@@ -152,7 +156,10 @@ def heading_is_wrong(f, i, e, time):
         return False
     q = at.AGO_QUATERNION
     yaw, _, _ = euler_of_quaternion(f[q], f[q + 1], f[q + 2], f[q + 3])
-    if abs(wrap_pi(course - wrap_heading(yaw + f[at.MOUNTING]))) < f[cfg.HEADING_ERROR_LIMIT]:
+    contradiction = abs(wrap_pi(course - wrap_heading(yaw + f[at.MOUNTING])))
+    if contradiction > HALF_PI and i[at.VELOCITY_REFUSED_SINCE] == at.NEVER:
+        contradiction = PI - contradiction
+    if contradiction < f[cfg.HEADING_ERROR_LIMIT]:
         i[at.HEADING_WRONG_SINCE] = at.NEVER
         return False
     if i[at.HEADING_WRONG_SINCE] == at.NEVER:

@@ -2,10 +2,11 @@
 
 import dataclasses
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
-from nav_drive import Drive, part
+from nav_drive import Drive, make_drive, part
 from nav_run import Result, run
 
 from firmware.nav.config import NavConfig
@@ -83,6 +84,47 @@ def test_wrong_yaw_is_found_and_mended(town: Drive, error_deg: float) -> None:
     late = result.t > 125.0
     assert np.max(np.abs(np.degrees(result.attitude[late, 2]))) < 1.5
     assert np.max(result.horizontal[late]) < 5.0
+
+
+REVERSING = """
+segment = [
+  { kind = "rest", duration_s = 20.0 },
+  { kind = "reach-speed", duration_s = 6.0, to_mps = 9.0 },
+  { kind = "turn", duration_s = 8.0, angle_deg = 80.0 },
+  { kind = "reach-speed", duration_s = 6.0, to_mps = 0.0 },
+  { kind = "rest", duration_s = 3.0 },
+  { kind = "reach-speed", duration_s = 8.0, to_mps = -10.0 },
+  { kind = "cruise", duration_s = 20.0 },
+  { kind = "turn", duration_s = 8.0, angle_deg = 50.0 },
+  { kind = "reach-speed", duration_s = 6.0, to_mps = 0.0 },
+  { kind = "reach-speed", duration_s = 8.0, to_mps = 12.0 },
+  { kind = "cruise", duration_s = 20.0 }]
+[place]
+latitude_deg = 30.0
+longitude_deg = 114.0
+height_m = 50.0
+[initial]
+yaw_deg = 62.0
+[trajectory]
+blend_s = 0.6
+[imu]
+preset = "bmi160"
+"""
+
+
+@pytest.mark.parametrize("velocity", ["3d", "2d"])
+def test_reversing_fast_does_not_turn_the_heading(tmp_path: Path, velocity: str) -> None:
+    """Half a minute backwards at 10 m/s, with a turn: the course is opposite to the nose, and yaw stays."""
+    scenario = tmp_path / "reversing.toml"
+    scenario.write_text(REVERSING)
+    drive = make_drive(scenario, velocity=velocity)
+    result = run(drive, CONFIG)
+    assert not np.any(result.seen("realigned"))
+    navigating = result.t > 40.0
+    assert np.all(result.mode[navigating] == NAVIGATING)
+    assert np.max(np.abs(np.degrees(result.attitude[navigating, 2]))) < 3.0
+    assert np.max(result.horizontal[navigating]) < 5.0
+    assert np.max(np.linalg.norm(result.velocity[navigating], axis=1)) < 0.4
 
 
 def test_mounting_matrix_turns_the_chip(town: Drive) -> None:
