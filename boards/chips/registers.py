@@ -129,6 +129,7 @@ class RegisterFile:
         self.after_read: dict[int, Callable[[], None]] = {}
         self.after_write: dict[int, Callable[[int, int], None]] = {}
         self._log = log
+        self._plain: dict[tuple[int, int], bool] = {}
         self.reset()
 
     def reset(self) -> None:
@@ -154,6 +155,20 @@ class RegisterFile:
         if hook is not None:
             hook()
         return value
+
+    def plain(self, first: int, end: int) -> bool:
+        """Whether reading [first, end) only shows `values`: readable registers without hooks, as installed
+        when this is first asked. A burst over them may be cut out of `values` at once."""
+        span = (first, end)
+        known = self._plain.get(span)
+        if known is None:
+            self._plain[span] = known = all(map(self._is_plain, range(first, end)))
+        return known
+
+    def _is_plain(self, address: int) -> bool:
+        register = self.registers.get(address)
+        readable = register is not None and register.access is not Access.WRITE
+        return readable and address not in self.after_read
 
     def write(self, address: int, value: int, time_ns: int) -> None:
         """One byte from the bus; what may not be written is reported and ignored."""

@@ -134,7 +134,10 @@ class Core:
         """A burst that `holds_still`."""
         if first < GYR_DATA:
             self._refresh_identity()
-        read = self.registers.read
+        registers = self.registers
+        if registers.plain(first, first + count):
+            return bytes(registers.values[first : first + count])
+        read = registers.read
         return bytes(
             [read((first + offset) & 0x7F, time_ns, running_on=offset > 0) for offset in range(count)]
         )

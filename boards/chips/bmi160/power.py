@@ -8,7 +8,7 @@ as long as normal from suspend, and the magnetometer interface takes 1 ms whenev
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from enum import Enum
+from enum import IntEnum
 
 MILLISECOND = 1_000_000
 
@@ -21,7 +21,7 @@ SUSPEND, NORMAL, LOW_POWER, FAST_START = 0, 1, 2, 3
 """Mode codes of PMU_STATUS; LOW_POWER for accelerometer and magnetometer, FAST_START for the gyroscope."""
 
 
-class Sensor(Enum):
+class Sensor(IntEnum):
     """A field of PMU_STATUS; the value is its lowest bit."""
 
     MAG = 0
@@ -66,7 +66,8 @@ class PowerModes:
 
     def status(self) -> int:
         """The register PMU_STATUS."""
-        return sum(mode << sensor.value for sensor, mode in self.modes.items())
+        modes = self.modes
+        return modes[Sensor.MAG] | modes[Sensor.GYRO] << Sensor.GYRO | modes[Sensor.ACCEL] << Sensor.ACCEL
 
     def change_duration(self, sensor: Sensor, mode: int) -> int:
         """Time (ns) from the command to the mode."""

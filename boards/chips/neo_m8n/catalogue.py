@@ -9,12 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from boards.chips.neo_m8n import identity, ubx_nav, ubx_satellites
+from boards.chips.neo_m8n.fields import sentence
 from boards.chips.neo_m8n.nmea import NmeaSet
 from boards.chips.neo_m8n.pubx import pubx_00, pubx_03, pubx_04
 from boards.chips.neo_m8n.solution import Solution
 
 BinaryMessage = Callable[[Solution], bytes]
-Sentence = Callable[[NmeaSet], list[bytes]]
+Sentences = Callable[[NmeaSet], list[bytes]]
 
 BINARY: dict[int, BinaryMessage] = {
     0x0102: ubx_nav.nav_posllh,
@@ -33,21 +34,26 @@ BINARY: dict[int, BinaryMessage] = {
 }
 """UBX messages by class · 256 + id."""
 
-SENTENCES: dict[int, Sentence] = {
-    0xF004: lambda nmea: [nmea.rmc()],
-    0xF005: lambda nmea: [nmea.vtg()],
-    0xF00D: lambda nmea: [nmea.gns()],
-    0xF000: lambda nmea: [nmea.gga()],
-    0xF002: NmeaSet.gsa,
-    0xF003: NmeaSet.gsv,
-    0xF001: lambda nmea: [nmea.gll()],
-    0xF007: lambda nmea: [nmea.gst()],
-    0xF008: lambda nmea: [nmea.zda()],
-    0xF100: lambda nmea: [pubx_00(nmea)],
-    0xF103: lambda nmea: [pubx_03(nmea.solution)],
-    0xF104: lambda nmea: [pubx_04(nmea)],
+
+def _one(body_of: Callable[[NmeaSet], bytes]) -> Sentences:
+    return lambda nmea: [sentence(body_of(nmea))]
+
+
+SENTENCES: dict[int, Sentences] = {
+    0xF004: _one(NmeaSet.rmc),
+    0xF005: _one(NmeaSet.vtg),
+    0xF00D: _one(NmeaSet.gns),
+    0xF000: _one(NmeaSet.gga),
+    0xF002: lambda nmea: nmea.sky.gsa,
+    0xF003: lambda nmea: nmea.sky.gsv,
+    0xF001: _one(NmeaSet.gll),
+    0xF007: _one(NmeaSet.gst),
+    0xF008: _one(NmeaSet.zda),
+    0xF100: _one(pubx_00),
+    0xF103: lambda nmea: [sentence(pubx_03(nmea.solution))],
+    0xF104: _one(pubx_04),
 }
-"""Bodies of sentences by class · 256 + id."""
+"""Sentences by class · 256 + id."""
 
 SENTENCE_IDS = {
     "GGA": 0xF000,

@@ -16,6 +16,7 @@ start. Choices where the sheet gives no figure:
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -71,6 +72,11 @@ class Engine:
         self._leap_known = False
         self._first_fix_ns: int | None = None
         self._course_deg = 0.0
+        self._seen: tuple[Satellite, ...] = ()
+        self._seen_by: frozenset[str] = frozenset()
+        self._used = 0
+        self._selected: tuple[Satellite, ...] = ()
+        """What `_select` made of the satellites `_seen` for the systems `_seen_by`."""
 
     def start(self, now_ns: int, state: StartState) -> None:
         """Begin a search for satellites with what `state` says is still known."""
@@ -125,15 +131,14 @@ class Engine:
             solution.time_to_first_fix_ms = (self._first_fix_ns - self._started_ns) // 1_000_000
         return solution
 
-    def _select(self, epoch: GnssEpoch) -> tuple[int, list[Satellite]]:
-        """Number used and list of the satellites of the enabled systems."""
+    def _select(self, epoch: GnssEpoch) -> tuple[int, tuple[Satellite, ...]]:
+        """Number used and list of the satellites of the enabled systems, the same ones while they last."""
         systems = self.systems
-        satellites = [satellite for satellite in epoch.satellites if satellite.system in systems]
-        used = 0
-        for satellite in satellites:
-            if satellite.used:
-                used += 1
-        return used, satellites
+        if epoch.satellites is not self._seen or systems is not self._seen_by:
+            self._seen, self._seen_by = epoch.satellites, systems
+            self._selected = tuple([sat for sat in epoch.satellites if sat.system in systems])
+            self._used = sum(sat.used for sat in self._selected)
+        return self._used, self._selected
 
     def _fix_type(self, epoch: GnssEpoch, used: int) -> int:
         """The fix that the world grants, if the enabled systems carry it."""
@@ -146,7 +151,7 @@ class Engine:
             return NO_FIX if self.fix_mode == MODE_3D_ONLY else FIX_2D
         return FIX_3D
 
-    def _learn_leap_seconds(self, satellites: list[Satellite], now_ns: int) -> None:
+    def _learn_leap_seconds(self, satellites: Sequence[Satellite], now_ns: int) -> None:
         """Leap seconds come with GLONASS at once, from the GPS almanac after a while."""
         glonass = any(satellite.used and satellite.system == "GLONASS" for satellite in satellites)
         since = 0 if self._first_fix_ns is None else now_ns - self._first_fix_ns
@@ -168,13 +173,15 @@ class Engine:
             solution.course_valid = True
         solution.course_deg = self._course_deg
 
-    def _remain(self, solution: Solution, satellites: list[Satellite]) -> None:
+    def _remain(self, solution: Solution, satellites: tuple[Satellite, ...]) -> None:
         """What is left without a fix: the last position, and the satellites once the time is known."""
         solution.course_deg = self._course_deg
         solution.sky_known = self._times.sky_known or self._first_fix_ns is not None
         if self.running and solution.time_known:
             solution.satellites = (
-                satellites if solution.sky_known else [sat for sat in satellites if sat.cn0_dbhz > 0.0]
+                satellites
+                if solution.sky_known
+                else tuple([satellite for satellite in satellites if satellite.cn0_dbhz > 0.0])
             )
         last = self.latest
         if last is not None and last.position_known:

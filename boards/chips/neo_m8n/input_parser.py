@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from boards.chips.neo_m8n.fields import xor_checksums
+from boards.chips.neo_m8n.fields import xor_checksum
 from boards.chips.neo_m8n.ubx import SYNC, fletcher
 
 LONGEST_PAYLOAD = 1024
@@ -113,6 +113,6 @@ def _checked(line: bytes) -> NmeaInput | None:
         wanted = int(digits, 16)
     except ValueError:
         return None
-    if wanted != xor_checksums([body])[0]:
+    if wanted != xor_checksum(body):
         return None
     return NmeaInput(tuple(body.decode("ascii").split(",")))

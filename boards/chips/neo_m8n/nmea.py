@@ -1,12 +1,16 @@
 """Standard sentences of one epoch (fact sheet section 2): RMC VTG GGA GNS GLL GST ZDA and TXT.
 
-Every method gives the body of its sentence, without "$", checksum and line end (`fields.sentences` adds
-them to all sentences of an epoch at once). Field widths and precisions are those of real M8N logs. Without
-a fix the forms of the table "no-fix output" appear; the time fields fill as soon as the time is known.
-NMEA 2.1 has no posMode, 4.1 adds the navigation status ("V": this equipment gives none).
+Methods that print one sentence give its body, without "$", checksum and line end (`fields.sentence` adds
+them); GSA and GSV come whole from `satellites`, where they are kept from epoch to epoch. Field widths and
+precisions are those of real M8N logs. Without a fix the forms of the table "no-fix output" appear; the time
+fields fill as soon as the time is known. NMEA 2.1 has no posMode, 4.1 adds the navigation status ("V": this
+equipment gives none).
 """
 
 from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
 
 from boards.chips.neo_m8n.fields import course, decimal, dilution, position, two_figures
 from boards.chips.neo_m8n.satellites import Sky
@@ -24,28 +28,60 @@ TXT_NOTICE = 2
 
 
 class NmeaSet:
-    """Prints one solution. Fields that several sentences share are made once."""
+    """Prints one solution. Fields that several sentences share are made once, when the first wants them.
 
-    __slots__ = ("_mode_tail", "course", "date", "position", "sky", "solution", "style", "talker", "time")
+    `sky_of` gives the printed satellites of a solution.
+    """
 
-    def __init__(self, solution: Solution, style: NmeaStyle, talker: bytes) -> None:
+    def __init__(
+        self, solution: Solution, style: NmeaStyle, sky_of: Callable[[Solution, NmeaStyle], Sky] = Sky
+    ) -> None:
         self.solution = solution
         self.style = style
-        self.talker = talker
-        self.sky: Sky | None = None
-        utc = solution.utc
-        if solution.time_known:
-            self.time = b"%02d%02d%02d.%02d" % (utc.hour, utc.minute, utc.second, utc.centisecond)
-            self.date = b"%02d%02d%02d" % (utc.day, utc.month, utc.year % 100)
-        else:
-            self.time = self.date = b""
+        self.talker = style.talker
+        self._sky_of = sky_of
+
+    @cached_property
+    def time(self) -> bytes:
+        """Time of day, empty until it is known."""
+        utc = self.solution.utc
+        if not self.solution.time_known:
+            return b""
+        return b"%02d%02d%02d.%02d" % (utc.hour, utc.minute, utc.second, utc.centisecond)
+
+    @cached_property
+    def date(self) -> bytes:
+        """Day, month, year of the century; empty until it is known."""
+        utc = self.solution.utc
+        if not self.solution.time_known:
+            return b""
+        return b"%02d%02d%02d" % (utc.day, utc.month, utc.year % 100)
+
+    @cached_property
+    def position(self) -> bytes:
+        """The four fields of latitude and longitude."""
+        solution, style = self.solution, self.style
         if solution.fix or (style.show_invalid_position and solution.position_known):
-            self.position = position(solution.latitude_deg, solution.longitude_deg, style.fine)
-        else:
-            self.position = b",,,"
-        shown = solution.fix and (solution.course_valid or style.show_frozen_course)
-        self.course = course(solution.course_deg) if shown else b""
-        self._mode_tail = b"" if style.version < VERSION_2_3 else b",A" if solution.fix else b",N"
+            return position(solution.latitude_deg, solution.longitude_deg, style.fine)
+        return b",,,"
+
+    @cached_property
+    def course(self) -> bytes:
+        """Course over ground, empty where it does not count."""
+        solution = self.solution
+        shown = solution.fix and (solution.course_valid or self.style.show_frozen_course)
+        return course(solution.course_deg) if shown else b""
+
+    @cached_property
+    def sky(self) -> Sky:
+        """The printed satellites."""
+        return self._sky_of(self.solution, self.style)
+
+    @cached_property
+    def _mode_tail(self) -> bytes:
+        if self.style.version < VERSION_2_3:
+            return b""
+        return b",A" if self.solution.fix else b",N"
 
     def rmc(self) -> bytes:
         """Recommended minimum: time, status, position, speed, course, date."""
@@ -125,21 +161,8 @@ class NmeaSet:
         day = b"%02d,%02d,%04d" % (utc.day, utc.month, utc.year)
         return b"%bZDA,%b,%b,00,00" % (self.talker, self.time, day)
 
-    def gsa(self) -> list[bytes]:
-        """Used satellites, one sentence for each system, and the dilutions of precision."""
-        return self._visible_sky().gsa(self.talker)
-
-    def gsv(self) -> list[bytes]:
-        """Satellites in view, up to four a sentence."""
-        return self._visible_sky().gsv(self.talker)
-
-    def _visible_sky(self) -> Sky:
-        if self.sky is None:
-            self.sky = Sky(self.solution, self.style)
-        return self.sky
-
     def _group_used(self, group: bytes) -> bool:
-        return bool(self.solution.fix) and self._visible_sky().has_used(group)
+        return bool(self.solution.fix) and self.sky.has_used(group)
 
     def _heights(self) -> tuple[bytes, bytes]:
         solution = self.solution

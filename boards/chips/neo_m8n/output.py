@@ -7,11 +7,12 @@ settings that were in force when its message came.
 from __future__ import annotations
 
 from boards.chips.neo_m8n import settings as cfg
-from boards.chips.neo_m8n.catalogue import BINARY, SENTENCES, BinaryMessage, Sentence
+from boards.chips.neo_m8n.catalogue import BINARY, SENTENCES, BinaryMessage, Sentences
 from boards.chips.neo_m8n.configure_systems import style_of
-from boards.chips.neo_m8n.fields import sentences
+from boards.chips.neo_m8n.fields import sentence
 from boards.chips.neo_m8n.identity import START_UP_TEXTS
 from boards.chips.neo_m8n.nmea import TXT_ERROR, TXT_NOTICE, NmeaSet, txt
+from boards.chips.neo_m8n.satellites import PrintedSkies
 from boards.chips.neo_m8n.settings import Settings
 from boards.chips.neo_m8n.solution import Solution
 from boards.chips.neo_m8n.style import NmeaStyle
@@ -31,10 +32,11 @@ class Output:
         self.in_mask = 0
         self.style = NmeaStyle()
         self._settings = settings
+        self._skies = PrintedSkies()
         self._out_mask = 0
         self._epochs = 0
         self._binary: list[tuple[int, BinaryMessage]] = []
-        self._sentences: list[tuple[int, Sentence]] = []
+        self._sentences: list[tuple[int, Sentences]] = []
 
     def start(self) -> None:
         """The port comes up: settings, baud rate, start-up texts."""
@@ -58,20 +60,18 @@ class Output:
             if count % rate == 0:
                 messages.append(build(solution))
         if self._sentences:
-            printed = NmeaSet(solution, self.style, self.style.talker)
-            bodies: list[bytes] = []
-            for rate, bodies_of in self._sentences:
+            printed = NmeaSet(solution, self.style, self._skies.of)
+            for rate, sentences_of in self._sentences:
                 if count % rate == 0:
-                    bodies += bodies_of(printed)
-            messages += sentences(bodies)
+                    messages += sentences_of(printed)
         if messages:
             self.transmitter.send(messages)
 
     def poll(self, message: int, solution: Solution) -> None:
         """Send one message (class · 256 + id) of the newest solution at once."""
         if message in SENTENCES:
-            printed = NmeaSet(solution, self.style, self.style.talker)
-            self._send(PROTOCOL_NMEA, sentences(SENTENCES[message](printed)))
+            printed = NmeaSet(solution, self.style)
+            self._send(PROTOCOL_NMEA, SENTENCES[message](printed))
         else:
             self._send(PROTOCOL_UBX, [BINARY[message](solution)])
 
@@ -94,7 +94,7 @@ class Output:
         if self._out_mask & PROTOCOL_UBX and self._wanted(0, kind):
             messages.append(frame(CLASS_INF, kind, text))
         if self._out_mask & PROTOCOL_NMEA and self._wanted(1, kind):
-            messages += sentences([txt(self.style.talker, kind, text)])
+            messages.append(sentence(txt(self.style.talker, kind, text)))
         return messages
 
     def _wanted(self, protocol: int, kind: int) -> bool:
@@ -117,8 +117,8 @@ class Output:
             if out_mask & PROTOCOL_UBX and (rate := settings.rates(message)[cfg.UART1])
         ]
         self._sentences = [
-            (rate, bodies_of)
-            for message, bodies_of in SENTENCES.items()
+            (rate, sentences_of)
+            for message, sentences_of in SENTENCES.items()
             if out_mask & PROTOCOL_NMEA and (rate := settings.rates(message)[cfg.UART1])
         ]
         return int(baud)

@@ -70,7 +70,7 @@ class Solution:
         self.course_deg = 0.0
         """Over ground; the last valid one while `course_valid` is False."""
         self.course_valid = False
-        self.satellites: tuple[Satellite, ...] | list[Satellite] = ()
+        self.satellites: tuple[Satellite, ...] = ()
         self.used = 0
         self.sky_known = True
         """Elevations and azimuths are known (not so before the first fix of a cold start)."""
