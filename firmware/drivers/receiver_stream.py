@@ -134,6 +134,10 @@ class ReceiverStream:
         """Bytes received so far, whatever they were."""
         return int(self.state[st.TAKEN])
 
+    def line_errors(self) -> tuple[int, int]:
+        """(messages with a wrong checksum, bytes of garbage) so far."""
+        return int(self.state[st.BAD_CHECKSUMS]), int(self.state[st.GARBAGE])
+
     def answers(self) -> Answers:
         """What the receiver has answered to configuration messages."""
         state = self.state

@@ -26,7 +26,7 @@ class SentBytes:
         self.start = start
         self.first = first
         self.baud = baud
-        self.begin = start + first * FRAME // baud
+        self.begin = start + first * FRAME // baud if first else start
         self.end = start + (first + len(data)) * FRAME // baud
 
     @property

@@ -93,8 +93,8 @@ class UartWire:
     @property
     def free(self) -> int | None:
         """Room for further bytes; None: any number."""
-        if self.capacity is None:
-            return None
+        if self.capacity is None or self._end <= self.time.now:
+            return self.capacity
         free = self.capacity - self.queued
         return free if free > 0 else 0
 
@@ -170,12 +170,16 @@ class UartWire:
         now = self.time.now
         baud = self.forced_baud or self.baud
         queue = self._queue
-        self._forget_sent()
-        last = queue[-1] if queue else None
-        if last is not None and last.baud == baud:
-            piece = SentBytes(data, last.start, last.first + len(last.data), baud)
+        if self._end <= now:
+            queue.clear()
+            piece = SentBytes(data, now, 0, baud)
         else:
-            piece = SentBytes(data, max(now, self._end), 0, baud)
+            self._forget_sent()
+            last = queue[-1]
+            if last.baud == baud:
+                piece = SentBytes(data, last.start, last.first + len(last.data), baud)
+            else:
+                piece = SentBytes(data, self._end, 0, baud)
         queue.append(piece)
         self._end = piece.end
         self._line_ns += piece.end - piece.begin

@@ -72,7 +72,7 @@ def test_one_wrong_byte_spoils_a_sentence(text, position, flip):
     line = ReceiverLine()
     line.send(bytes(spoilt))
     line.silence()
-    same = spoilt.upper() == text  # the case of the two checksum digits is free
+    same = position >= len(text) - 4 and spoilt.upper() == text  # the case of checksum digits is free
     assert (len(line.epochs) == 1) == same or b"$" in spoilt[1:]
 
 

@@ -7,11 +7,9 @@ later; whether it still stands is in the flags of every solution. Numbers belong
 from __future__ import annotations
 
 from firmware.apps.car_mems.gnss_port import GnssPort
-from firmware.apps.car_mems.navigation import Navigation
 from firmware.apps.car_mems.output import Output
 from firmware.drivers.neo_m8n import Phase
 from firmware.nav import flags
-from firmware.nav import solution as record
 from hal.clock import Clock
 
 AGAIN_NS = 10_000_000_000
@@ -37,9 +35,8 @@ ALARMS = {
 class Announcer:
     """Looks at what the last output said, and says what is new."""
 
-    def __init__(self, clock: Clock, navigation: Navigation, gnss: GnssPort, output: Output) -> None:
+    def __init__(self, clock: Clock, gnss: GnssPort, output: Output) -> None:
         self._now_ns = clock.now_ns
-        self._integers = navigation.integers
         self._modes = flags.MODE_NAMES
         self._gnss = gnss
         self._output = output
@@ -54,32 +51,29 @@ class Announcer:
 
     def look(self) -> None:
         """From the background, after its other work."""
-        if self._integers[record.MODE] != self._mode:
-            self._mode = int(self._integers[record.MODE])
+        output = self._output
+        if output.mode != self._mode:
+            self._mode = output.mode
             self._has_navigated |= self._mode == flags.NAVIGATING
-            self._output.send_text(f"mode: {self._modes[self._mode]}")
-        if self._has_navigated and self._integers[record.FLAGS] != self._flags:
-            self._tell_alarms(int(self._integers[record.FLAGS]))
-        if self._gnss.phase != self._phase:
+            output.send_text(f"mode: {self._modes[self._mode]}")
+        if output.flags != self._flags and self._has_navigated:
+            self._tell_alarms(output.flags)
+        if self._gnss.phase is not self._phase:
             self._phase = self._gnss.phase
-            self._output.send_text(f"receiver: {self._phase}")
-        if self._output.card_works != self._card_works:
-            self._card_works = self._output.card_works
-            self._output.send_text("card: writing" if self._card_works else "card: cannot be written")
+            output.send_text(f"receiver: {self._phase.value}")
+        if output.card_works != self._card_works:
+            self._card_works = output.card_works
+            output.send_text("card: writing" if self._card_works else "card: cannot be written")
 
     def look_at_line(self) -> None:
         """Once a second: is what comes from the receiver full of errors?"""
-        heard = self._gnss.stream.statistics()
-        bad = heard.bad_checksums * BAD_BYTES + heard.garbage
+        bad_checksums, garbage = self._gnss.stream.line_errors()
+        bad = bad_checksums * BAD_BYTES + garbage
         grown, self._bad_bytes = bad - self._bad_bytes, bad
         now_ns = self._now_ns()
-        if (
-            grown >= BAD_BYTES
-            and self._phase == Phase.RUNNING.value
-            and now_ns - self._bad_said_ns >= AGAIN_NS
-        ):
+        if grown >= BAD_BYTES and self._phase is Phase.RUNNING and now_ns - self._bad_said_ns >= AGAIN_NS:
             self._bad_said_ns = now_ns
-            counts = f"{heard.bad_checksums} bad checksums, {heard.garbage} bytes of garbage"
+            counts = f"{bad_checksums} bad checksums, {garbage} bytes of garbage"
             self._output.send_text(f"receiver line disturbed: {counts} so far")
 
     def _tell_alarms(self, word: int) -> None:

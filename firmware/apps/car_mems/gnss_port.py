@@ -11,7 +11,7 @@ from firmware.apps.car_mems.gnss_time import GnssTime
 from firmware.apps.car_mems.navigation import Navigation
 from firmware.apps.car_mems.settings import Settings
 from firmware.drivers import gnss_epoch as gnss
-from firmware.drivers.neo_m8n import Configurator, ReceiverSetup
+from firmware.drivers.neo_m8n import Configurator, Phase, ReceiverSetup
 from firmware.drivers.receiver_stream import ReceiverStream
 from hal.board_io import BoardIo
 
@@ -27,8 +27,10 @@ class GnssPort:
     def __init__(self, io: BoardIo, settings: Settings, navigation: Navigation) -> None:
         self.stream = ReceiverStream(baud=POWER_ON_BAUD)
         self.time = GnssTime()
-        self.epoch = gnss.new_epoch()
-        """The epoch that the filter works on or has used last; also the output's."""
+        self._epoch = gnss.new_epoch()
+        """The epoch that the filter works on or has used last."""
+        self.latest: list[int] = self._epoch.tolist()
+        """The same for the output."""
         self._waiting = gnss.new_epoch()
         """The latest epoch, dated; the filter takes it when its turn comes."""
         self.epochs_skipped = 0
@@ -61,9 +63,9 @@ class GnssPort:
         self._enable.set(True)
 
     @property
-    def phase(self) -> str:
-        """How far the set-up of the receiver is, in words."""
-        return self._configurator.phase.value
+    def phase(self) -> Phase:
+        """How far the set-up of the receiver is."""
+        return self._configurator.phase
 
     def service(self) -> None:
         """From the background: next step of the configuration; a silence ends a burst."""
@@ -100,9 +102,10 @@ class GnssPort:
 
     def _on_epoch(self) -> None:
         navigation = self._navigation
-        self.epoch[:] = self._waiting
+        self._epoch[:] = self._waiting
+        self.latest = self._epoch.tolist()
         self._is_waiting = False
-        navigation.kernels.gnss_step(navigation.f, navigation.i, self.epoch)
+        navigation.kernels.gnss_step(navigation.f, navigation.i, self._epoch)
         self._cpu.spend(self._update_cost)
         self.updated()
 

@@ -37,6 +37,8 @@ class Output:
         self.dropped = 0
         self.card_works = True
         """False while blocks for the log find no card."""
+        self.mode = self.flags = 0
+        """Of navigation, as they were told last."""
         self._navigation = navigation
         self._gnss = gnss_port
         self._acquisition = acquisition
@@ -61,23 +63,27 @@ class Output:
 
     def send(self) -> None:
         """The solution at the output rate."""
-        navigation = self._navigation
-        navigation.fill_solution()
-        f = navigation.floats.tolist()
-        time_ns, lat, lon, mode, flags = navigation.integers.tolist()
+        f, (time_ns, lat, lon, mode, flags) = self._solution()
         time_of_day, date = self._utc(time_ns)
-        self._send_frame(
-            frames.SOLUTION, max(time_ns, 0) // 1000, time_of_day, date, mode, flags, lat, lon, *f
-        )
+        time_us = time_ns // 1000 if time_ns > 0 else 0
+        self._send_frame(frames.SOLUTION, time_us, time_of_day, date, mode, flags, lat, lon, *f)
         self._cpu.spend(self._frame_cost)
         if self._can is not None:
-            messages = self._can_frames(f, lat, lon, time_of_day, mode, flags)
+            messages = self._can_frames(self._navigation.floats, lat, lon, time_of_day, mode, flags)
             self.dropped += len(messages) - self._can.send(messages)
             self._cpu.spend(self._can_cost)
 
+    def _solution(self) -> tuple[list[float], list[int]]:
+        """The present solution, as `firmware.nav.solution` lays it out."""
+        navigation = self._navigation
+        navigation.fill_solution()
+        integers = navigation.integers.tolist()
+        self.mode, self.flags = integers[record.MODE], integers[record.FLAGS]
+        return navigation.floats.tolist(), integers
+
     def send_epoch(self) -> None:
         """After a filter update: the receiver's epoch and the innovations it made."""
-        e = self._gnss.epoch.tolist()
+        e = self._gnss.latest
         self._send_frame(
             frames.GNSS,
             max(e[gnss.VALID_NS], EARLIEST_NS) // 1000,
@@ -105,43 +111,43 @@ class Output:
 
     def send_slow(self) -> None:
         """Once a second: covariance, slow states, status."""
-        navigation, heard = self._navigation, self._gnss.stream.statistics()
+        navigation = self._navigation
+        bad_checksums, garbage = self._gnss.stream.line_errors()
         state_us = max(int(navigation.i[layout.TIME]), 0) // 1000
         now_us = self._now_ns() // 1000
         self._send_frame(frames.COVARIANCE, state_us, *navigation.covariance())
         self._send_frame(frames.BIAS, state_us, *navigation.biases())
-        navigation.fill_solution()
-        mode, flags = navigation.integers[record.MODE], navigation.integers[record.FLAGS]
+        solution = self._solution()
         self._send_frame(
             frames.STATUS,
             now_us,
-            int(mode),
-            int(flags),
+            self.mode,
+            self.flags,
             self._gnss.epochs & 0xFFFFFFFF,
             self._acquisition.reads & 0xFFFFFFFF,
             navigation.samples_missed & 0xFFFFFFFF,
             navigation.samples_repeated & 0xFFFFFFFF,
-            heard.bad_checksums & 0xFFFF,
-            heard.garbage & 0xFFFF,
+            bad_checksums & 0xFFFF,
+            garbage & 0xFFFF,
             self.dropped & 0xFFFF,
             self._acquisition.starts & 0xFF,
             int(self._gnss.pulse_dated),
         )
         self._cpu.spend(self._slow_cost)
-        self._send_sentences()
+        self._send_sentences(*solution)
         self._send_lists(now_us)
 
-    def _send_sentences(self) -> None:
+    def _send_sentences(self, floats: list[float], integers: list[int]) -> None:
         """NMEA of our own solution."""
-        navigation, e = self._navigation, self._gnss.epoch
-        known = int(e[gnss.FLAGS]) & gnss.HAS_HEIGHT and int(e[gnss.FLAGS]) & gnss.HAS_HEIGHT_MSL
+        e = self._gnss.latest
+        known = e[gnss.FLAGS] & gnss.HAS_HEIGHT and e[gnss.FLAGS] & gnss.HAS_HEIGHT_MSL
         fix = own_fix(
-            navigation.floats.tolist(),
-            navigation.integers.tolist(),
-            self._utc(int(navigation.integers[record.TIME_NS])),
-            int(e[gnss.HEIGHT_MM] - e[gnss.HEIGHT_MSL_MM]) if known else None,
-            int(e[gnss.SATELLITES]),
-            int(e[gnss.HDOP_CENTI]),
+            floats,
+            integers,
+            self._utc(integers[record.TIME_NS]),
+            e[gnss.HEIGHT_MM] - e[gnss.HEIGHT_MSL_MM] if known else None,
+            e[gnss.SATELLITES],
+            e[gnss.HDOP_CENTI],
         )
         nmea = self._nmea
         self._send(nmea.gga(fix) + nmea.rmc(fix) + nmea.hdt(fix) + nmea.pashr(fix))
@@ -189,9 +195,9 @@ class Output:
 
     def _utc(self, time_ns: int) -> tuple[int, int]:
         """(UTC time of day in ms, date) of a board time, by the last dated epoch."""
-        epoch = self._gnss.epoch
-        if not int(epoch[gnss.FLAGS]) & gnss.HAS_TIME:
+        epoch = self._gnss.latest
+        if not epoch[gnss.FLAGS] & gnss.HAS_TIME:
             return frames.NO_TIME_OF_DAY, frames.NO_DATE
-        since_ms = (time_ns - int(epoch[gnss.VALID_NS])) // 1_000_000
-        days, time_of_day = divmod(int(epoch[gnss.TIME_OF_DAY_MS]) + since_ms, DAY_MS)
-        return time_of_day, (int(epoch[gnss.DATE_DAYS]) + days) & 0xFFFF
+        since_ms = (time_ns - epoch[gnss.VALID_NS]) // 1_000_000
+        days, time_of_day = divmod(epoch[gnss.TIME_OF_DAY_MS] + since_ms, DAY_MS)
+        return time_of_day, (epoch[gnss.DATE_DAYS] + days) & 0xFFFF

@@ -47,7 +47,7 @@ class CarMems:
         acquisition = Acquisition(io, settings)
         output = Output(io, settings, navigation, gnss, acquisition)
         tasks = NavigationTasks(io, settings, navigation, acquisition, output)
-        announcer = Announcer(io.clock, navigation, gnss, output)
+        announcer = Announcer(io.clock, gnss, output)
         background = Background(io, navigation, gnss, acquisition, output, announcer)
         gnss.begin()
         tasks.begin()
