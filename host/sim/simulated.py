@@ -59,9 +59,8 @@ class SimulatedVehicle:
         assert place is not None  # the schema asks for it
         lever = np.asarray(lever_arm, dtype=np.float64)
 
-        def antenna(time_ns: int) -> list[float]:
-            state: list[float] = antenna_states(self.motion, np.array([time_ns]), lever)[0, :6].tolist()
-            return state
+        def antenna(times_ns: NDArray[np.int64]) -> Array:
+            return antenna_states(self.motion, times_ns, lever)[:, :6]
 
         return SimulatedReceiver(
             name,

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from host.sim.compiled import entry
 from host.sim.seeding import generator
-from host.sim.trajectory.motion import CHUNK_SHIFT
+from host.sim.trajectory.motion import CHUNK_SHIFT, split_by_chunk
 
 SLOWEST_SHIFT = 30
 """Nodes at most 1.07 s apart."""
@@ -95,6 +95,17 @@ class ProcessBank:
         if len(self._chunks) > CHUNKS_KEPT:
             self._chunks.popitem(last=False)
         return nodes
+
+    def values(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """All channels at rising times, (n, channels)."""
+        out = np.empty((len(times_ns), len(self._processes)))
+        for chunk, part in split_by_chunk(times_ns):
+            nodes = self.nodes(chunk)
+            elapsed = times_ns[part] - (chunk << CHUNK_SHIFT)
+            k = elapsed >> self.node_shift
+            x = (elapsed - (k << self.node_shift)) / (1 << self.node_shift)
+            out[part] = nodes[k] + x[:, None] * (nodes[k + 1] - nodes[k])
+        return out
 
     def _run(self) -> NDArray[np.float64]:
         """The next chunk."""

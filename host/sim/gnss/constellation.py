@@ -15,7 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from boards.chips.world import Satellite
+from host.sim.compiled import Floats, entry
 from host.sim.earth import EARTH_RATE, GM, geodetic_to_ecef, rotation_ecef_to_ned
+from host.sim.sine import TWO_PI, sincos
 
 NO_DOP = 99.99
 USED_ELEVATION_DEG = 10.0
@@ -73,26 +75,42 @@ def _in_view(
     shell: _Shell, gps_time_s: float, here: NDArray[np.float64], to_ned: NDArray[np.float64], mask: float
 ) -> list[Satellite]:
     found = []
-    motion = math.sqrt(GM / shell.radius**3)
-    for k in range(shell.count):
-        plane = k % shell.planes
-        slot = (k // shell.planes) / math.ceil(shell.count / shell.planes)
-        along = 2.0 * math.pi * (slot + plane / (2.3 * shell.planes)) + motion * gps_time_s
-        node = 2.0 * math.pi * plane / shell.planes - EARTH_RATE * gps_time_s
-        x, y = math.cos(along), math.sin(along) * math.cos(shell.inclination)
-        place = shell.radius * np.array(
-            [
-                x * math.cos(node) - y * math.sin(node),
-                x * math.sin(node) + y * math.cos(node),
-                math.sin(along) * math.sin(shell.inclination),
-            ]
-        )
-        north, east, down = to_ned @ (place - here)
+    sights = np.empty((shell.count, 3))
+    lines_of_sight(shell.radius, shell.inclination, shell.planes, gps_time_s, here, to_ned, sights)
+    for k, (north, east, down) in enumerate(sights.tolist()):
         elevation = math.atan2(-down, math.hypot(north, east))
         if elevation > mask:
             azimuth = math.atan2(east, north) % (2.0 * math.pi)
             found.append(_satellite(shell, k, elevation, azimuth, gps_time_s))
     return found
+
+
+@entry
+def lines_of_sight(
+    radius: float,
+    inclination: float,
+    planes: int,
+    gps_time_s: float,
+    here: Floats,
+    to_ned: Floats,
+    out: Floats,
+) -> None:
+    """Vectors (n, 3) north, east, down in m from `here` (Earth-fixed) to the n satellites of a shell."""
+    count = out.shape[0]
+    slots = (count + planes - 1) // planes
+    motion = math.sqrt(GM / (radius * radius * radius))
+    tilt_sin, tilt_cos = sincos(inclination)
+    for k in range(count):
+        plane = k % planes
+        slot = (k // planes) / slots
+        along_sin, along_cos = sincos(TWO_PI * (slot + plane / (2.3 * planes)) + motion * gps_time_s)
+        node_sin, node_cos = sincos(TWO_PI * plane / planes - EARTH_RATE * gps_time_s)
+        level = along_sin * tilt_cos
+        x = radius * (along_cos * node_cos - level * node_sin) - here[0]
+        y = radius * (along_cos * node_sin + level * node_cos) - here[1]
+        z = radius * along_sin * tilt_sin - here[2]
+        for i in range(3):
+            out[k, i] = to_ned[i, 0] * x + to_ned[i, 1] * y + to_ned[i, 2] * z
 
 
 def _satellite(shell: _Shell, k: int, elevation: float, azimuth: float, gps_time_s: float) -> Satellite:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 NS = 1_000_000_000
@@ -17,6 +18,11 @@ class Window:
     def holds(self, time_ns: int) -> bool:
         """Whether an instant lies in it."""
         return self.start_ns <= time_ns < self.end_ns
+
+
+def held(windows: Sequence[Window], time_ns: int) -> bool:
+    """Whether an instant lies in one of the windows."""
+    return any(window.holds(time_ns) for window in windows)
 
 
 @dataclass

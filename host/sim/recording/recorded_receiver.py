@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from boards.chips.world import GnssEpoch
-from host.sim.gnss.constellation import NO_DOP, Sky, blocked, sky_at
-from host.sim.gnss.schedule import NS, Window
+from host.sim.gnss.schedule import NS, Window, held
+from host.sim.gnss.slow_sky import SlowSky
 
 Array = NDArray[np.float64]
 LARGEST_GAP_S = 0.35
 """Neighbouring solutions may be this far apart to be interpolated; else there is no solution."""
 H_ACC_M, V_ACC_M, S_ACC_MPS = 1.0, 2.2, 0.15
-SKY_STEP_NS = 30 * NS
 LEAST_LATENCY_NS = 1_000_000
 
 
@@ -47,22 +46,17 @@ class RecordedReceiver:
         self._start_gps_ns = start_gps_ns
         self._leap_seconds = leap_seconds
         self._geoid_separation = geoid_separation
-        self._constellations = list(constellations)
-        self._elevation_mask = elevation_mask
+        self._sky = SlowSky(start_gps_ns, constellations, elevation_mask)
         self._blocked = list(outages)
         self._outages = [Window(w.start_ns, w.end_ns + reacquisition_ns) for w in outages]
-        self._sky_index = -1
-        self._sky = Sky((), NO_DOP, NO_DOP, NO_DOP, NO_DOP)
 
     def epoch(self, time_ns: int) -> GnssEpoch:
         """The recorded solution at `time_ns`, linear between its neighbours; no fix in outages and gaps."""
         state, in_reach = self._interpolated(time_ns)
         lat, lon, height, vn, ve, vd, latency_ns = state
-        sky = self._sky_at(time_ns, lat, lon, height)
-        if any(w.holds(time_ns) for w in self._blocked):
-            sky = blocked(sky)
+        sky = self._sky.above(time_ns, lat, lon, height, is_open=not held(self._blocked, time_ns))
         return GnssEpoch(
-            fix=in_reach and not any(w.holds(time_ns) for w in self._outages),
+            fix=in_reach and not held(self._outages, time_ns),
             time_known=True,
             gps_time_ns=self._start_gps_ns + time_ns,
             leap_seconds=self._leap_seconds,
@@ -92,11 +86,3 @@ class RecordedReceiver:
         nearest = min(abs(time_ns - valid[k]), abs(time_ns - valid[k + 1]))
         inside = valid[0] <= time_ns <= valid[-1]
         return state, nearest < 0.001 * NS or (inside and span <= LARGEST_GAP_S * NS)
-
-    def _sky_at(self, time_ns: int, lat: float, lon: float, height: float) -> Sky:
-        index = time_ns // SKY_STEP_NS
-        if index != self._sky_index:
-            gps_time_s = (self._start_gps_ns + index * SKY_STEP_NS) * 1e-9
-            self._sky = sky_at(gps_time_s, lat, lon, height, self._constellations, self._elevation_mask)
-            self._sky_index = index
-        return self._sky

@@ -123,9 +123,10 @@ def test_times_read_back(seconds: int, leap: int, nanoseconds: int) -> None:
     rig.run_to(250_000_000)
     rig.say(FAST_PORT)
     rig.say(RATES)
-    data = rig.run(2.6)
-    asked = max(time for time in world.asked if time < rig.time.now - SECOND // 5)
-    exact_ns = seconds * SECOND + nanoseconds + asked
+    last_epoch = 3 * SECOND - nanoseconds
+    data = rig.run_to(last_epoch + SECOND // 2)
+    assert max(world.asked) == last_epoch
+    exact_ns = seconds * SECOND + nanoseconds + last_epoch
     utc = datetime(1980, 1, 6) + timedelta(seconds=exact_ns // SECOND - leap)
     zda = nmea_messages(nmea(line(data[data.rindex(b"$GNRMC") :], "ZDA")[1:-3]))[0]
     assert (zda.year, zda.month, zda.day) == (utc.year, utc.month, utc.day)
