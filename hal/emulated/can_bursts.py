@@ -7,8 +7,11 @@ CRC and its stuff bits, is computed for all kept sets at once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from hal.can import CanFrame
 from hal.emulated.can_frame import INTERFRAME_BITS, LONGEST_FRAME_BITS, frame_lengths
@@ -39,12 +42,43 @@ class CanBursts:
         self._kept.append((begin, node, frames))
         self.over_by = begin + len(frames) * LONGEST_NS // self._bitrate
 
-    def work_out(self) -> Iterator[tuple[int, CanNode, tuple[CanFrame, ...], list[int]]]:
-        """(begin in ns, node, frames, length of each in bits) of every kept set; nothing is kept any more."""
+    def work_out(self) -> WorkedOut:
+        """All kept sets, frame by frame; nothing is kept any more."""
         kept, self._kept = self._kept, []
-        lengths = iter(frame_lengths([frame for _begin, _node, frames in kept for frame in frames]))
-        for begin, node, frames in kept:
-            yield begin, node, frames, [next(lengths) for _ in frames]
+        frames = [frame for _begin, _node, frames in kept for frame in frames]
+        counts = [len(frames) for _begin, _node, frames in kept]
+        bits = np.array(frame_lengths(frames)) + INTERFRAME_BITS
+        after = np.cumsum(bits)
+        before_set = np.repeat(after[np.cumsum(counts) - 1] - np.add.reduceat(bits, _firsts(counts)), counts)
+        begins = np.repeat([begin for begin, _node, _frames in kept], counts)
+        until = after - before_set
+        return WorkedOut(
+            [node for _begin, node, frames in kept for _frame in frames],
+            frames,
+            (begins + (until - bits) * SECOND // self._bitrate).tolist(),
+            (begins + (until - INTERFRAME_BITS) * SECOND // self._bitrate).tolist(),
+            bits.tolist(),
+            kept[-1][0],
+            int(until[-1]),
+        )
+
+
+def _firsts(counts: list[int]) -> NDArray[np.int64]:
+    """Place of the first frame of each set."""
+    return np.concatenate(([0], np.cumsum(counts[:-1], dtype=np.int64)))
+
+
+class WorkedOut(NamedTuple):
+    """Frames one by one, with begin and end in ns and bits up to the next start; where the last set began
+    (ns) and how many bits it took."""
+
+    nodes: list[CanNode]
+    frames: list[CanFrame]
+    begins: list[int]
+    ends: list[int]
+    bits: list[int]
+    last_begin: int
+    last_bits: int
 
 
 class LateCanListener:
@@ -57,6 +91,10 @@ class LateCanListener:
     def hear(self, frame: CanFrame, end_ns: int) -> None:
         """From the bus: a frame that got through."""
         self._heard.append((frame, end_ns))
+
+    def hear_all(self, frames: Iterable[CanFrame], ends_ns: Iterable[int]) -> None:
+        """Several of them."""
+        self._heard.extend(zip(frames, ends_ns, strict=True))
 
     def take(self) -> list[tuple[CanFrame, int]]:
         """(frame, end in ns) of every frame that has ended by now, each given once."""

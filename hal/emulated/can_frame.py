@@ -130,10 +130,7 @@ def frame_lengths(frames: Sequence[CanFrame]) -> list[int]:
     if len(full) < 8:
         return [frame_bits(frame) for frame in frames]
     crc_of_byte, state_after, stuff_bits = _arrays()
-    heads = [_header(frames[n][0], frames[n][2], 8) for n in full]
-    crc = np.array([head[0] for head in heads])
-    state = np.array([head[1] for head in heads])
-    bits = np.array([head[2] for head in heads])
+    crc, state, bits = np.array([_header(frames[n][0], frames[n][2], 8) for n in full]).T.copy()
     data = np.frombuffer(b"".join([frames[n][1] for n in full]), np.uint8).reshape(-1, 8)
     for byte in data.T.astype(np.int64):
         crc = (crc & 0x7F) << 8 ^ crc_of_byte[crc >> 7 ^ byte]

@@ -13,8 +13,12 @@ which the last one ended at `end_ns`; a CAN record is a data frame that ended on
 from __future__ import annotations
 
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+
+import numpy as np
+
+from hal.can import CanFrame
 
 SPI_HEAD = struct.Struct("<qII")
 UART_HEAD = struct.Struct("<qI")
@@ -22,6 +26,8 @@ CAN_HEAD = struct.Struct("<qIB")
 FIRST_TIME = struct.Struct("<q")
 
 EXTENDED = 1 << 31
+FULL_CAN_RECORD = np.dtype([("end_ns", "<i8"), ("identifier", "<u4"), ("n", "u1"), ("data", "S8")])
+"""A CAN record of eight bytes."""
 
 ENCODING = "x-navtwin-block"
 
@@ -80,6 +86,25 @@ def unpack(schema: str, topic: str, block: bytes) -> Iterator[Traffic]:
             raise ValueError(f"{topic}: a block of {len(block)} bytes ends inside the record at byte {place}")
         yield record
         place = end
+
+
+def can_records(heard: Sequence[tuple[CanFrame, int]]) -> bytes:
+    """CAN records of (frame, end in ns)."""
+    if not heard:
+        return b""
+    frames, ends = zip(*heard, strict=True)
+    identifiers, data, extended = zip(*frames, strict=True)
+    if set(map(len, data)) == {8}:
+        records = np.empty(len(frames), FULL_CAN_RECORD)
+        records["end_ns"] = ends
+        records["identifier"] = identifiers
+        records["identifier"][np.array(extended)] |= EXTENDED
+        records["n"] = 8
+        records["data"] = data
+        return records.tobytes()
+    marked = [identifier | EXTENDED * long for identifier, long in zip(identifiers, extended, strict=True)]
+    pack = CAN_HEAD.pack
+    return b"".join([pack(end, i, len(d)) + d for end, i, d in zip(ends, marked, data, strict=True)])
 
 
 def spi_topic(bus: str) -> str:

@@ -21,9 +21,7 @@ from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
 
 from host.capture.blocks import (
-    CAN_HEAD,
     ENCODING,
-    EXTENDED,
     FIRST_TIME,
     SCHEMAS,
     SPI_HEAD,
@@ -41,7 +39,7 @@ UNBOUNDED = 1 << 62
 Bytes = bytes | bytearray
 SpiRecorder = Callable[[int, int, Bytes, Bytes], None]
 UartRecorder = Callable[[int, bytes], None]
-CanRecorder = Callable[[int, int, bool, bytes], None]
+CanRecorder = Callable[[bytes, int], None]
 
 
 class CaptureWriter:
@@ -92,13 +90,12 @@ class CaptureWriter:
         return record
 
     def can_recorder(self, bus: str) -> CanRecorder:
-        """`record(end_ns, identifier, extended, data)` for the frames of one CAN bus."""
+        """`record(records, end_ns)`: frames of one CAN bus (`blocks.can_records`) and the end of the last."""
         block = self._block(can_topic(bus), "navtwin.CanBlock")
 
-        def record(end_ns: int, identifier: int, extended: bool, data: bytes) -> None:
+        def record(records: bytes, end_ns: int) -> None:
             nonlocal block
-            block += CAN_HEAD.pack(end_ns, identifier | (EXTENDED if extended else 0), len(data))
-            block += data
+            block += records
             self._flush_due(end_ns)
 
         return record

@@ -8,20 +8,16 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
-from struct import Struct
 
 from boards.assembly import AssembledBoard
 from hal.emulated.can_bus import EmulatedCanBus
 from hal.emulated.uart_receiver import LateReceiver
 from hal.emulated.uart_wire import UartWire
+from host.capture.blocks import can_records
 from host.capture.writer import CanRecorder, CaptureWriter, UartRecorder
 
 CAPTURE_NS = 160_000_000
 """With the capture's own 0.8 s this keeps what a killed process loses below a second."""
-
-
-FRAME_HEAD = Struct("<qI?B")
-"""End of the frame in ns, identifier, whether it has 29 bits, bytes of data."""
 
 
 class WireEar:
@@ -48,19 +44,13 @@ class CanEar:
         self._record = record
 
     def take(self) -> bytes:
-        """All frames that have ended since the last time, as bytes that tell end, identifier and data; every
-        frame goes to the capture."""
+        """Records (`blocks.can_records`) of all frames that have ended since the last time, which also go to
+        the capture."""
         heard = self._listener.take()
-        if self._record is not None:
-            for (identifier, data, extended), end_ns in heard:
-                self._record(end_ns, identifier, extended, data)
-        pack = FRAME_HEAD.pack
-        return b"".join(
-            [
-                pack(end_ns, identifier, extended, len(data)) + data
-                for (identifier, data, extended), end_ns in heard
-            ]
-        )
+        records = can_records(heard)
+        if records and self._record is not None:
+            self._record(records, heard[-1][1])
+        return records
 
 
 class Ears:

@@ -16,7 +16,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host.capture.blocks import CanMessage, SpiTransaction, UartChunk, unpack
+from hal.can import CanFrame
+from host.capture.blocks import CanMessage, SpiTransaction, UartChunk, can_records, unpack
 from host.capture.reader import CaptureReader, Decoded
 from host.capture.writer import CaptureWriter
 from host.record.errors import UserError
@@ -41,7 +42,8 @@ def write(path, seconds=5, close=True):
         spi(now, now + 24_381, buffer, bytes(reversed(buffer)))
         recorded.append(SpiTransaction("spi1", now, now + 24_381, bytes(buffer), bytes(reversed(buffer))))
         if tick % 10 == 0:
-            can(now + 300_000, 0x18FF0000 + tick, True, b"\x01\x02\x03")
+            end = now + 300_000
+            can(can_records([(CanFrame(0x18FF0000 + tick, b"\x01\x02\x03", True), end)]), end)
             recorded.append(CanMessage("can1", now + 300_000, 0x18FF0000 + tick, True, b"\x01\x02\x03"))
             capture.rows("/solution", np.full((1, len(SOLUTION.columns)), now / 1e9))
             recorded.append(("/solution", now))
@@ -218,3 +220,23 @@ def test_the_worked_example_of_the_documentation_is_true():
     (line,) = [line for line in text.splitlines() if line.startswith("    40 42 0F")]
     (record,) = unpack("navtwin.SpiBlock", "/spi/spi1", bytes.fromhex(line))
     assert record == SpiTransaction("spi1", 1_000_000, 1_003_000, b"\x80\x00", b"\x00\xd1")
+
+
+FRAMES = st.one_of(
+    st.builds(CanFrame, st.integers(0, 0x7FF), st.binary(max_size=8)),
+    st.builds(CanFrame, st.integers(0, 0x1FFF_FFFF), st.binary(min_size=8, max_size=8), st.just(True)),
+)
+FULL_FRAMES = st.builds(
+    CanFrame, st.integers(0, 0x7FF), st.binary(min_size=8, max_size=8) | st.just(bytes(8)), st.booleans()
+)
+
+
+@given(
+    st.lists(st.tuples(FRAMES, st.integers(0, 1 << 60)))
+    | st.lists(st.tuples(FULL_FRAMES, st.integers(0, 1 << 60)))
+)
+def test_can_records_come_back(heard):
+    records = unpack("navtwin.CanBlock", "/can/can1", can_records(heard))
+    assert list(records) == [
+        CanMessage("can1", end, frame.identifier, frame.extended, frame.data) for frame, end in heard
+    ]
