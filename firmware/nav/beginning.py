@@ -72,6 +72,7 @@ def enter_navigation(f, i):
     f[at.PARAMETER_TIME] = ZERO
     for k in range(np.int32(4)):
         f[at.SIDE_SPEED + k] = ZERO
+    f[at.AT_REST] = ZERO
     begin_interval(f)
     clear_history(i)
     remember(f, i)

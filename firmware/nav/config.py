@@ -126,6 +126,8 @@ class NavConfig:
     still_force: float = 0.06
     still_speed: float = 0.15
     """Largest low-passed GNSS velocity at rest, m/s."""
+    still_acceleration: float = 0.25
+    """Largest change of the velocity of the state over a window at rest, per s."""
     rest_speed: float = 1.0
     """Largest velocity of the state that rest may correct."""
     zero_velocity_noise: float = 0.02
@@ -255,6 +257,7 @@ def _floats(c: NavConfig) -> dict[int, Any]:
         cfg.STILL_RATE_SQUARE: c.still_rate**2,
         cfg.STILL_FORCE_SQUARE: c.still_force**2,
         cfg.STILL_SPEED_SQUARE: c.still_speed**2,
+        cfg.STILL_ACCELERATION_SQUARE: (c.still_acceleration * c.window) ** 2,
         cfg.REST_SPEED_SQUARE: c.rest_speed**2,
         cfg.ZERO_VELOCITY_VARIANCE: c.zero_velocity_noise**2,
         cfg.ZERO_RATE_VARIANCE: c.zero_rate_noise**2,

@@ -46,7 +46,7 @@ def position_rows(f, i, e, time):
         f[row + at.X_POSITION + k] = ONE
         f[row + at.X_VELOCITY + k] = -dt
         for m in range(THREE):
-            f[row + at.X_ACCEL_BIAS + m] = accel * f[at.C_N_B + 3 * k + m]
+            f[row + at.X_ACCEL_BIAS + m] = accel * f[at.SINCE_C_N_B + 3 * k + m]
         f[row + at.X_GNSS_ERROR + k] = ONE
         f[row + at.X_LATENCY] = -f[at.AGO_VELOCITY + k]
     north = metres_north(units_of_nanodegrees(e[gnss.LAT_NANODEG]), i[at.AGO_LATITUDE], f[at.MERIDIAN_RADIUS])
@@ -68,7 +68,7 @@ def velocity_rows(f, i, e, time):
         row = at.ROWS + (VELOCITY_ROW + k) * at.STATES
         f[row + at.X_VELOCITY + k] = ONE
         for m in range(THREE):
-            f[row + at.X_ACCEL_BIAS + m] = dt * f[at.C_N_B + 3 * k + m]
+            f[row + at.X_ACCEL_BIAS + m] = dt * f[at.SINCE_C_N_B + 3 * k + m]
         f[row + at.X_LATENCY] = -f[at.AGO_ACCELERATION + k]
     north, east, down = epoch_velocity(e)
     f[at.RESIDUAL + 3] = north - f[at.AGO_VELOCITY] - wx

@@ -36,6 +36,7 @@ from firmware.numerics.trigonometry import arc_tangent2, sine_cosine
 
 ZERO = np.float32(0.0)
 HALF = np.float32(0.5)
+ONE = np.float32(1.0)
 HALF_PI = np.float32(1.57079632679490)
 PI = np.float32(3.14159265358979)
 TWO_PI = np.float32(6.28318530717959)
@@ -85,6 +86,7 @@ def find_heading(f, i, e, time):
     yaw_then, _, _ = euler_of_quaternion(f[q], f[q + 1], f[q + 2], f[q + 3])
     if i[cfg.YAW_IS_GIVEN] != 0:  # for the attitude that was levelled
         _begin_after_rest(f, i, e, time, f[cfg.INITIAL_YAW], f[cfg.INITIAL_YAW_VARIANCE])
+        f[at.AT_REST] = ONE if i[at.LEVEL_WINDOWS] > 0 else ZERO
         return
     if not has_course(e):
         return

@@ -20,12 +20,13 @@ from firmware.nav.levelling import begin_levelling, integrate_samples, level_by_
 from firmware.nav.plausibility import is_plausible
 from firmware.nav.prediction import predict
 from firmware.nav.restart import keep_good_state, restart, state_is_sound
-from firmware.nav.standstill import close_window, rest_updates, was_rest, watch
+from firmware.nav.standstill import close_window, rest_updates, state_is_still, was_rest, watch
 from firmware.nav.strapdown import advance_between_samples, advance_by_mean
 from firmware.nav.vehicle import constrain, gather_side_speed
 from firmware.numerics.dialect import kernel
 
 ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
 QUARTER = np.float32(0.25)
 FOUR = np.float32(4.0)
 THREE = np.int32(3)
@@ -90,8 +91,11 @@ def imu_step(f, i, t_ns, dt, wx, wy, wz, ax, ay, az):
         quiet = close_window(f, i)
         if i[at.MODE] != NAVIGATING:
             level_by_window(f, i, quiet)
-        elif was_rest(f, i, quiet) and i[cfg.STANDSTILL_ON] != 0:
-            rest_updates(f, i)
+        else:
+            still = quiet and state_is_still(f)
+            f[at.AT_REST] = ONE if still else ZERO
+            if was_rest(f, i, quiet) and still and i[cfg.STANDSTILL_ON] != 0:
+                rest_updates(f, i)
 
 
 @kernel

@@ -86,6 +86,7 @@ SINCE_YAW_ANGLE = 76
 """∫ω_z dt, then ∫f_x dt and ∫f_y dt."""
 SINCE_FORCE = 77
 SINCE_C_N_B = 79
+"""Direction cosines when the interval began; at rest those of its first interval, whatever is corrected."""
 PARAMETER_TIME = 88
 """s since process noise was last added to the parameters."""
 LOST_TILT = 89
@@ -144,7 +145,9 @@ WINDOW_SQUARES = WINDOW_SUM + 6
 """Sum of squared differences: of the rates, of the specific forces."""
 WINDOW_TIME = WINDOW_SQUARES + 2
 WINDOW_MEAN = WINDOW_TIME + 1
-LEVEL_SUM = WINDOW_MEAN + 6
+WINDOW_VELOCITY = WINDOW_MEAN + 6
+"""Velocity (n) when the window began."""
+LEVEL_SUM = WINDOW_VELOCITY + 3
 """Sum of the means of still windows."""
 REST_RATE = LEVEL_SUM + 6
 """Mean rate at rest, with Earth rate in it, and the attitude and time span it belongs to."""
@@ -161,10 +164,12 @@ GNSS_FIX = GNSS_SPEED + 3
 EPOCH_WEIGHT = GNSS_FIX + 7
 """Factor on the variances of the present epoch."""
 GOOD_HEIGHT = EPOCH_WEIGHT + 1
+AT_REST = GOOD_HEIGHT + 1
+"""1 from a window at rest to one that is not."""
 
 # --- f: configuration (see NavConfig) ---
-CONFIG = GOOD_HEIGHT + 1
-F_SIZE = CONFIG + 88
+CONFIG = AT_REST + 1
+F_SIZE = CONFIG + 92
 
 # --- i ---
 TIME = 0

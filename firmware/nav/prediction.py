@@ -9,6 +9,12 @@ Error model (n frame, truth minus estimate; C_n_b_true = (I + [φ×]) C_n_b):
 (s, r: responses, layout) over the interval T, with ∫f_n dt = Δv − g T from the velocities at its ends (exact,
 whatever the motion between), the mean C_n_b of its ends, ∫ω_z dt, ∫f_x dt and ∫f_y dt summed, and the
 trapezoid for what each row feeds to the next.
+
+At rest tilt and accelerometer bias cannot be told apart: an error φ with f_n × φ = −C_n_b δb_a is not
+observable. Corrections would turn C_n_b, and with every turn the filter would take a little of that error for
+observed; so C_n_b of the error model stays the same for as long as the vehicle rests (Huang, Mourikis and
+Roumeliotis, Observability-based rules for designing consistent EKF SLAM estimators, IJRR 29 (2010)).
+
 Left out, because far below what MEMS sensors do: −ω_in × φ (0.05 °/h for φ = 0.2°; without it the dynamics
 are upper triangular, see covariance), Coriolis and transport terms in δv and δr, gravity gradient, and the
 error of the transport rate. Groves, Principles of GNSS, Inertial, and Multisensor
@@ -45,8 +51,9 @@ def begin_interval(f):
     for k in range(THREE):
         f[at.SINCE_YAW_ANGLE + k] = ZERO
         f[at.SINCE_VELOCITY + k] = f[at.VELOCITY + k]
-    for k in range(np.int32(9)):
-        f[at.SINCE_C_N_B + k] = f[at.C_N_B + k]
+    if f[at.AT_REST] == ZERO:
+        for k in range(np.int32(9)):
+            f[at.SINCE_C_N_B + k] = f[at.C_N_B + k]
     f[at.LOST_TILT] = ZERO
     f[at.LOST_YAW] = ZERO
     f[at.LOST_VELOCITY] = ZERO
@@ -166,16 +173,18 @@ def _force_entries(f, column, row):
 
 @kernel
 def _mean_attitude(f):
+    a = at.SINCE_C_N_B
+    b = a if f[at.AT_REST] != ZERO else at.C_N_B
     return (
-        HALF * (f[at.SINCE_C_N_B] + f[at.C_N_B]),
-        HALF * (f[at.SINCE_C_N_B + 1] + f[at.C_N_B + 1]),
-        HALF * (f[at.SINCE_C_N_B + 2] + f[at.C_N_B + 2]),
-        HALF * (f[at.SINCE_C_N_B + 3] + f[at.C_N_B + 3]),
-        HALF * (f[at.SINCE_C_N_B + 4] + f[at.C_N_B + 4]),
-        HALF * (f[at.SINCE_C_N_B + 5] + f[at.C_N_B + 5]),
-        HALF * (f[at.SINCE_C_N_B + 6] + f[at.C_N_B + 6]),
-        HALF * (f[at.SINCE_C_N_B + 7] + f[at.C_N_B + 7]),
-        HALF * (f[at.SINCE_C_N_B + 8] + f[at.C_N_B + 8]),
+        HALF * (f[a] + f[b]),
+        HALF * (f[a + 1] + f[b + 1]),
+        HALF * (f[a + 2] + f[b + 2]),
+        HALF * (f[a + 3] + f[b + 3]),
+        HALF * (f[a + 4] + f[b + 4]),
+        HALF * (f[a + 5] + f[b + 5]),
+        HALF * (f[a + 6] + f[b + 6]),
+        HALF * (f[a + 7] + f[b + 7]),
+        HALF * (f[a + 8] + f[b + 8]),
     )
 
 

@@ -1,10 +1,11 @@
 """Is the vehicle at rest? Quiet sensors over a window of one second, and nothing that says it moves.
 
-Quiet alone is not rest: a car that rolls smoothly is as quiet. While GNSS is fresh its low-passed velocity
-must be near zero; without it, the stretch of quiet windows must not have begun in motion, zero must be
-plausible to the filter itself (the gate of the update), and the speed it believes must be small. The
-window starts anew each second, so that an update tells what was so for
-the whole second before it. Sums are of differences to the window's first sample: float32 keeps its digits.
+Quiet alone is not rest: a car that rolls or brakes evenly is as quiet. The state must not have moved,
+turned or changed its velocity over the window. While GNSS is fresh its low-passed velocity must be near
+zero; without it, the stretch of quiet windows must not have begun in motion, and zero must be plausible to
+the filter itself (the gate of the update). The window starts anew each second, so that an update tells what
+was so for the whole second before it. Sums are of differences to the window's first sample: float32 keeps
+its digits.
 """
 
 import numpy as np
@@ -35,6 +36,8 @@ def watch(f, i, dt, wx, wy, wz, ax, ay, az):
         f[at.WINDOW_REFERENCE + 5] = az
         for k in range(SIX):
             f[at.WINDOW_SUM + k] = ZERO
+        for k in range(THREE):
+            f[at.WINDOW_VELOCITY + k] = f[at.VELOCITY + k]
         f[at.WINDOW_SQUARES] = ZERO
         f[at.WINDOW_SQUARES + 1] = ZERO
         f[at.WINDOW_TIME] = ZERO
@@ -90,16 +93,33 @@ def _gnss_is_fresh(i):
 
 @kernel
 def was_rest(f, i, quiet):
-    """Whether the window just closed was a rest, by all that is known."""
+    """Whether the window just closed was a rest, as far as GNSS knows."""
     if not quiet:
         i[at.QUIET_IS_NO_REST] = 0
         return False
     if _gnss_is_fresh(i):
         i[at.QUIET_IS_NO_REST] = 1 if gnss_says_moving(f, i) else 0
-    x = f[at.VELOCITY]
-    y = f[at.VELOCITY + 1]
-    z = f[at.VELOCITY + 2]
-    return i[at.QUIET_IS_NO_REST] == 0 and x * x + y * y + z * z < f[cfg.REST_SPEED_SQUARE]
+    return i[at.QUIET_IS_NO_REST] == 0
+
+
+@kernel
+def state_is_still(f):
+    """Whether the state itself hardly moved, turned or changed its velocity over the window just closed."""
+    speed = ZERO
+    change = ZERO
+    rate = ZERO
+    for k in range(THREE):
+        v = f[at.VELOCITY + k]
+        a = v - f[at.WINDOW_VELOCITY + k]
+        w = f[at.WINDOW_MEAN + k] - f[at.GYRO_BIAS + k]
+        speed += v * v
+        change += a * a
+        rate += w * w
+    return (
+        speed < f[cfg.REST_SPEED_SQUARE]
+        and change < f[cfg.STILL_ACCELERATION_SQUARE]
+        and rate < f[cfg.STILL_RATE_SQUARE]
+    )
 
 
 @kernel

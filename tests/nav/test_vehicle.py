@@ -97,6 +97,37 @@ def test_slow_smooth_motion_is_no_rest(tmp_path: Path, speed: float) -> None:
     assert not np.any(lost.seen("standstill")[lost.t > creeping + 3.0])
 
 
+@pytest.mark.parametrize("braking_s", [7.0, 7.3, 7.6, 7.9])
+def test_braking_without_gnss_is_no_rest(tmp_path: Path, braking_s: float) -> None:
+    """An even braking on a smooth road is quiet, and the speed passes through the last metre per second."""
+    path = tmp_path / "braking.toml"
+    rolling = SMOOTH.format(first=8.0, then=8.0).replace(
+        '"cruise", duration_s = 40', '"cruise", duration_s = 8'
+    )
+    stop = f'{{ kind = "reach-speed", duration_s = {braking_s}, to_mps = 0 }}'
+    rest = '{ kind = "rest", duration_s = 6 }'
+    path.write_text(rolling.replace("]\n[place]", f"  {stop}, {rest}\n]\n[place]"))
+    drive = without_gnss(make_drive(path), 50.0, 999.0)
+    result = run(drive, CONFIG)
+    speed = np.linalg.norm(drive.truth.v_ned[: len(result.t)], axis=1)
+    at_rest = result.t > result.t[speed > 0.05][-1]
+    assert np.any(result.seen("standstill")[at_rest])
+    assert not np.any(result.seen("standstill")[~at_rest & (result.t > 62.0)])
+    assert np.linalg.norm(result.velocity[-1]) < 0.05
+
+
+def test_rest_does_not_tell_tilt_from_accelerometer_bias() -> None:
+    """Ten minutes of zero velocity: the tilt is off by bias / g (2.3° at 40 mg), as the covariance says."""
+    nees = []
+    for seed in (1, 2, 3):
+        drive = make_drive("static", seed, duration_s=600.0)
+        result = run(drive, dataclasses.replace(CONFIG, initial_yaw=math.radians(62.0)))
+        levelled = result.t > 30.0
+        assert np.min(result.sigma[levelled, 6:8]) > math.radians(1.8)
+        nees.append(np.mean(result.nees[result.nees[:, 0] > 70.0, 1]))
+    assert 3.0 < np.mean(nees) < 18.0
+
+
 def test_rest_holds_everything(town: Drive) -> None:
     """Parked without GNSS for half a minute after a drive: no drift of position or yaw."""
     drive = without_gnss(part(town, 0.0, 180.0), 161.5, 180.0)
