@@ -115,6 +115,8 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
     """
     import numba
 
+    from firmware.numerics.inner_code import KernelCompiler, make_inner
+
     # The wrapper for C function pointers is never used; without it compilation is 8 % faster. Kernels make no
     # arrays, so that array arguments need no reference counts: a call with two of them takes half the time.
     options: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
@@ -128,14 +130,21 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
     # process keep their own place.
     before, config.CACHE_DIR = config.CACHE_DIR, str(folder)
     try:
-        dispatcher: Any = numba.njit(cache=folder is not None, **options)(function)
+        entry = numba.njit(cache=folder is not None, pipeline_class=KernelCompiler, **options)
+        dispatcher: Any = entry(function)
     finally:
         config.CACHE_DIR = before
+    inner = make_inner(function, options)
     if signature is None:
-        compile_once_for_all_literals(dispatcher)
+        compile_once_for_all_literals(inner)
     else:
         declare_only(dispatcher, signature.text)
+        declare_only(inner, signature.text)
         _check_first_call(dispatcher, signature)
+    dispatcher.inner = inner
+    # What numba asks when another kernel calls this one.
+    dispatcher.get_call_template = inner.get_call_template
+    dispatcher.get_overload = inner.get_overload
     return dispatcher
 
 
@@ -147,6 +156,12 @@ def entry_point(kernel: F) -> F:
         return kernel
     kernel.compile_declared()
     return next(iter(kernel.overloads.values())).entry_point  # type: ignore[attr-defined]
+
+
+def compiled_forms(kernel: Any) -> list[Any]:
+    """Numba's results for a kernel in this process: as an entry that Python calls, and inside of others."""
+    inner = getattr(kernel, "inner", None)
+    return [*kernel.overloads.values(), *(inner.overloads.values() if inner is not None else ())]
 
 
 def kernels_are_kept() -> bool:

@@ -11,6 +11,8 @@ from numba.core.errors import NumbaError
 from problems import Problem, double_problems, fused_problems
 from target_build import remove_unreachable
 
+from firmware.numerics.dialect import compiled_forms
+
 
 def compile_problem(built: Built) -> Problem | None:
     """Compile a kernel with a signature; what numba says when it cannot."""
@@ -48,10 +50,11 @@ def _this_machine() -> Any:
 def problems_of_all(built: Iterable[Built]) -> Iterator[Problem]:
     """Kernels that nothing compiled, and loops with 64-bit counters; after all others were compiled here."""
     for one in built:
-        if not one.made.overloads:
+        forms = compiled_forms(one.made)
+        if not forms:
             advice = "declare its signature, or remove it: no kernel with a signature calls it"
             yield Problem(one.name, "no signature", advice)
-        for result in one.made.overloads.values():
+        for result in forms:
             for name, kind in result.type_annotation.typemap.items():
                 if isinstance(kind, types.RangeType) and kind.dtype.bitwidth > 32:
                     where = f"{_line(result, name)}: one bound of the range is an int64"
