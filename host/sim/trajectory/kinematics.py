@@ -16,21 +16,31 @@ measure. Angular acceleration ω̇_ib is exact but for the change of the Earth's
 
 from __future__ import annotations
 
-from host.sim.compiled import Floats, Integers, inner
+from host.sim.compiled import Floats, inner
 from host.sim.earth import EARTH_RATE, radii_and_gravity
-from host.sim.sine import TURNS_PER_RADIAN, TWO_PI, sincos, sincos_turns
-from host.sim.trajectory.channels import PITCH, ROLL, SPEED, YAW, channel, find_pieces
-from host.sim.trajectory.shaking import (
-    SHIFT_X,
-    SHIFT_Y,
-    SHIFT_Z,
-    SWAY_PITCH,
-    SWAY_ROLL,
-    SWAY_YAW,
-    envelope,
-    shaking,
-    swell,
+from host.sim.sine import TWO_PI, sincos, sincos_turns
+from host.sim.trajectory.lanes import (
+    BODY_PITCH,
+    BODY_ROLL,
+    BODY_YAW,
+    COS,
+    E1,
+    E2,
+    PATH_PITCH,
+    PATH_YAW,
+    PITCH1,
+    PITCH2,
+    PLACE,
+    ROLL1,
+    ROLL2,
+    SIN,
+    V1,
+    YAW1,
+    YAW2,
+    E,
+    V,
 )
+from host.sim.trajectory.shaking import SHIFT_X, SHIFT_Y, SHIFT_Z, SWAY_PITCH, SWAY_ROLL, SWAY_YAW
 from host.sim.trajectory.tables import CONE_ANGLE, CONE_FREQUENCY
 
 LATITUDE, LONGITUDE, HEIGHT = 0, 1, 2
@@ -42,10 +52,6 @@ OMEGA_DOT = 21
 ROW = 24
 """Columns of a row of truth: lat, lon, h, v_n(3), C_n_b(9, by rows), ω_ib_b(3), f_b(3), ω̇_ib_b(3)."""
 
-PATH_YAW, PATH_PITCH, BODY_YAW, BODY_PITCH, BODY_ROLL, PLACE = range(6)
-ANGLES = 8
-"""Width of the scratch for sines of angles; two are spare."""
-
 
 @inner
 def add_body(
@@ -56,11 +62,12 @@ def add_body(
     p2: float,
     r1: float,
     r2: float,
+    j: int,
     out: Floats,
 ) -> None:
     """C_n_b = Rz Ry Rx, ω_nb and ω̇_nb in body axes, from the angles' sines and their two derivatives."""
-    sy, sp, sr = angles[0, BODY_YAW], angles[0, BODY_PITCH], angles[0, BODY_ROLL]
-    cy, cp, cr = angles[1, BODY_YAW], angles[1, BODY_PITCH], angles[1, BODY_ROLL]
+    sy, sp, sr = angles[SIN, BODY_YAW, j], angles[SIN, BODY_PITCH, j], angles[SIN, BODY_ROLL, j]
+    cy, cp, cr = angles[COS, BODY_YAW, j], angles[COS, BODY_PITCH, j], angles[COS, BODY_ROLL, j]
     out[C_NB] = cp * cy
     out[C_NB + 1] = sr * sp * cy - cr * sy
     out[C_NB + 2] = cr * sp * cy + sr * sy
@@ -122,53 +129,30 @@ def add_coning(constants: Floats, t_ns: int, e: float, e1: float, e2: float, out
 
 @inner
 def motion_row(
-    layout: Integers,
-    c: Floats,
-    bank: Floats,
-    constants: Floats,
-    row: Integers,
-    t_ns: int,
-    waves: Floats,
-    shake: Floats,
-    out: Floats,
+    constants: Floats, t_ns: int, path: Floats, angles: Floats, shake: Floats, j: int, out: Floats
 ) -> None:
-    """Fill `out` (ROW) at `t_ns`; the path's latitude, longitude and height must stand in it already.
+    """Fill `out` (ROW) at `t_ns` from lane `j` of `path`, `angles` and `shake` (see `lanes`).
 
-    `layout`, `c`, `bank`, `constants` are the `MotionTables`, `row` the channels' current pieces.
-    `waves` (2, bank size, at least ANGLES) and `shake` (6, 3) are scratch.
+    The path's latitude, longitude and height must stand in it already.
     """
-    find_pieces(layout, t_ns, row)
-    v, v1, v2 = channel(layout, c, row[SPEED], t_ns)
-    yaw, yaw1, yaw2 = channel(layout, c, row[YAW], t_ns)
-    pitch, pitch1, pitch2 = channel(layout, c, row[PITCH], t_ns)
-    roll, roll1, roll2 = channel(layout, c, row[ROLL], t_ns)
-    e, e1, e2 = envelope(constants, v, v1, v2)
-    shaking(layout, bank, t_ns, waves, shake)
-    swell(shake, e, e1, e2)
-    waves[0, PATH_YAW] = yaw
-    waves[0, PATH_PITCH] = pitch
-    waves[0, BODY_YAW] = yaw + shake[SWAY_YAW, 0]
-    waves[0, BODY_PITCH] = pitch + shake[SWAY_PITCH, 0]
-    waves[0, BODY_ROLL] = roll + shake[SWAY_ROLL, 0]
-    waves[0, PLACE] = out[LATITUDE]
-    for i in range(ANGLES):  # all at once in a vector register
-        waves[0, i], waves[1, i] = sincos_turns(waves[0, i] * TURNS_PER_RADIAN)
-    sl, cl = waves[0, PLACE], waves[1, PLACE]
+    yaw1, yaw2, pitch1, pitch2 = path[YAW1, j], path[YAW2, j], path[PITCH1, j], path[PITCH2, j]
+    sl, cl = angles[SIN, PLACE, j], angles[COS, PLACE, j]
     m, n, g = radii_and_gravity(sl, out[HEIGHT])
-    an, ae, ad = add_path(v, v1, yaw1, yaw2, pitch1, pitch2, waves, shake, out)
-    shift_position(1.0 / m, 1.0 / (n * cl), waves, shake, out)
+    an, ae, ad = add_path(path[V, j], path[V1, j], yaw1, yaw2, pitch1, pitch2, angles, shake, j, out)
+    shift_position(1.0 / m, 1.0 / (n * cl), angles, shake, j, out)
     add_body(
-        waves,
-        yaw1 + shake[SWAY_YAW, 1],
-        yaw2 + shake[SWAY_YAW, 2],
-        pitch1 + shake[SWAY_PITCH, 1],
-        pitch2 + shake[SWAY_PITCH, 2],
-        roll1 + shake[SWAY_ROLL, 1],
-        roll2 + shake[SWAY_ROLL, 2],
+        angles,
+        yaw1 + shake[SWAY_YAW, 1, j],
+        yaw2 + shake[SWAY_YAW, 2, j],
+        pitch1 + shake[SWAY_PITCH, 1, j],
+        pitch2 + shake[SWAY_PITCH, 2, j],
+        path[ROLL1, j] + shake[SWAY_ROLL, 1, j],
+        path[ROLL2, j] + shake[SWAY_ROLL, 2, j],
+        j,
         out,
     )
     if constants[CONE_ANGLE] != 0.0:
-        add_coning(constants, t_ns, e, e1, e2, out)
+        add_coning(constants, t_ns, path[E, j], path[E1, j], path[E2, j], out)
     add_earth(an, ae, ad, sl, cl, m, n, g, out)
 
 
@@ -182,19 +166,20 @@ def add_path(
     pitch2: float,
     angles: Floats,
     shake: Floats,
+    j: int,
     out: Floats,
 ) -> tuple[float, float, float]:
     """Write v_n and return v̇_n."""
-    sy, sp = angles[0, PATH_YAW], angles[0, PATH_PITCH]
-    cy, cp = angles[1, PATH_YAW], angles[1, PATH_PITCH]
+    sy, sp = angles[SIN, PATH_YAW, j], angles[SIN, PATH_PITCH, j]
+    cy, cp = angles[COS, PATH_YAW, j], angles[COS, PATH_PITCH, j]
     x, y, z = -yaw1 * sp, pitch1, yaw1 * cp
     x1, y1, z1 = -yaw2 * sp - yaw1 * pitch1 * cp, pitch2, yaw2 * cp - yaw1 * pitch1 * sp
-    dx, dy, dz = shake[SHIFT_X, 0], shake[SHIFT_Y, 0], shake[SHIFT_Z, 0]
-    ux, uy, uz = shake[SHIFT_X, 1], shake[SHIFT_Y, 1], shake[SHIFT_Z, 1]
+    dx, dy, dz = shake[SHIFT_X, 0, j], shake[SHIFT_Y, 0, j], shake[SHIFT_Z, 0, j]
+    ux, uy, uz = shake[SHIFT_X, 1, j], shake[SHIFT_Y, 1, j], shake[SHIFT_Z, 1, j]
     cx, cross_y, cz = y * dz - z * dy, z * dx - x * dz, x * dy - y * dx
-    ax = v1 + shake[SHIFT_X, 2] + 2.0 * (y * uz - z * uy) + y1 * dz - z1 * dy + y * cz - z * cross_y
-    ay = z * v + shake[SHIFT_Y, 2] + 2.0 * (z * ux - x * uz) + z1 * dx - x1 * dz + z * cx - x * cz
-    az = -y * v + shake[SHIFT_Z, 2] + 2.0 * (x * uy - y * ux) + x1 * dy - y1 * dx + x * cross_y - y * cx
+    ax = v1 + shake[SHIFT_X, 2, j] + 2.0 * (y * uz - z * uy) + y1 * dz - z1 * dy + y * cz - z * cross_y
+    ay = z * v + shake[SHIFT_Y, 2, j] + 2.0 * (z * ux - x * uz) + z1 * dx - x1 * dz + z * cx - x * cz
+    az = -y * v + shake[SHIFT_Z, 2, j] + 2.0 * (x * uy - y * ux) + x1 * dy - y1 * dx + x * cross_y - y * cx
     wx, wy, wz = v + ux + cx, uy + cross_y, uz + cz
     forward = cp * wx + sp * wz
     out[VELOCITY], out[VELOCITY + 1] = cy * forward - sy * wy, sy * forward + cy * wy
@@ -209,12 +194,13 @@ def shift_position(
     lon_per_m: float,
     angles: Floats,
     shake: Floats,
+    j: int,
     out: Floats,
 ) -> None:
     """Move the position by the vibration."""
-    sy, sp = angles[0, PATH_YAW], angles[0, PATH_PITCH]
-    cy, cp = angles[1, PATH_YAW], angles[1, PATH_PITCH]
-    dx, dy, dz = shake[SHIFT_X, 0], shake[SHIFT_Y, 0], shake[SHIFT_Z, 0]
+    sy, sp = angles[SIN, PATH_YAW, j], angles[SIN, PATH_PITCH, j]
+    cy, cp = angles[COS, PATH_YAW, j], angles[COS, PATH_PITCH, j]
+    dx, dy, dz = shake[SHIFT_X, 0, j], shake[SHIFT_Y, 0, j], shake[SHIFT_Z, 0, j]
     forward = cp * dx + sp * dz
     out[LATITUDE] += lat_per_m * (cy * forward - sy * dy)
     out[LONGITUDE] += lon_per_m * (sy * forward + cy * dy)

@@ -1,4 +1,5 @@
-"""Sway and vibration at an instant: sums of the bank's sinusoids and their size at a speed."""
+"""Sway and vibration: sums of the bank's sinusoids, at many instants (lanes) at once, and their size at a
+speed."""
 
 from __future__ import annotations
 
@@ -24,27 +25,27 @@ def envelope(constants: Floats, v: float, v1: float, v2: float) -> tuple[float, 
 
 
 @inner
-def shaking(layout: Integers, bank: Floats, t_ns: int, waves: Floats, out: Floats) -> None:
-    """Sums of the bank at `t_ns`: out (6, 3) = value and two derivatives per target; `waves` is scratch."""
-    t = t_ns * 1e-9
-    for i in range(bank.shape[1]):
-        waves[0, i], waves[1, i] = sincos_turns(bank[0, i] * t + bank[1, i])
+def shaking(layout: Integers, bank: Floats, times: Floats, sums: Floats, out: Floats) -> None:
+    """Sums of the bank at times (n) in s: out (6, 3, n) = value and two derivatives per target; `sums`
+    (3, n) is scratch."""
     for target in range(6):
-        value, first, second = 0.0, 0.0, 0.0
+        sums[:] = 0.0
         for i in range(layout[LIMITS + target], layout[LIMITS + target + 1]):
-            value += bank[2, i] * waves[0, i]
-            first += bank[3, i] * waves[1, i]
-            second -= bank[4, i] * waves[0, i]
-        out[target, 0] = value
-        out[target, 1] = first
-        out[target, 2] = second
+            frequency, phase = bank[0, i], bank[1, i]
+            amplitude, by_w, by_w2 = bank[2, i], bank[3, i], bank[4, i]
+            for j in range(times.shape[0]):
+                sin, cos = sincos_turns(frequency * times[j] + phase)
+                sums[0, j] += amplitude * sin
+                sums[1, j] += by_w * cos
+                sums[2, j] -= by_w2 * sin
+        out[target] = sums
 
 
 @inner
-def swell(out: Floats, e: float, e1: float, e2: float) -> None:
-    """Multiply values and derivatives (6, 3) by the envelope."""
+def swell(out: Floats, j: int, e: float, e1: float, e2: float) -> None:
+    """Multiply values and derivatives of lane `j`, out (6, 3, n), by the envelope."""
     for i in range(6):
-        value, first = out[i, 0], out[i, 1]
-        out[i, 2] = e2 * value + 2.0 * e1 * first + e * out[i, 2]
-        out[i, 1] = e1 * value + e * first
-        out[i, 0] = e * value
+        value, first = out[i, 0, j], out[i, 1, j]
+        out[i, 2, j] = e2 * value + 2.0 * e1 * first + e * out[i, 2, j]
+        out[i, 1, j] = e1 * value + e * first
+        out[i, 0, j] = e * value

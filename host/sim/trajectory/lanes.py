@@ -1,0 +1,66 @@
+"""Many instants side by side: the part of the kinematics that goes through vector registers.
+
+Most of the time would go into sines: of up to forty sinusoids that shake the vehicle and of six angles, at
+every instant. An inner loop without branches over LANES neighbours becomes vector instructions (a fifth less
+time for the whole kinematics than sine after sine at one instant); the rest is done lane by lane. The bits
+are the same either way.
+"""
+
+from __future__ import annotations
+
+from host.sim.compiled import Floats, Integers, inner
+from host.sim.sine import TURNS_PER_RADIAN, sincos_turns
+from host.sim.trajectory.channels import PITCH, ROLL, SPEED, YAW, channel, find_pieces
+from host.sim.trajectory.shaking import SWAY_PITCH, SWAY_ROLL, SWAY_YAW, envelope, swell
+
+LANES = 32
+
+V, V1, YAW1, YAW2, PITCH1, PITCH2, ROLL1, ROLL2, E, E1, E2, PATH = range(12)
+"""Rows of `path` (PATH, LANES): speed and angles of the path without shaking and their derivatives, the
+envelope of the shaking and its derivatives."""
+
+PATH_YAW, PATH_PITCH, BODY_YAW, BODY_PITCH, BODY_ROLL, PLACE, ANGLES = range(7)
+SIN, COS, ANGLE = range(3)
+"""`angles` (3, ANGLES, LANES): sines, cosines and the angles in rad themselves. PLACE is the latitude."""
+
+
+@inner
+def follow_path(
+    layout: Integers,
+    c: Floats,
+    constants: Floats,
+    row: Integers,
+    t_ns: int,
+    j: int,
+    path: Floats,
+    shake: Floats,
+    angles: Floats,
+) -> None:
+    """Lane `j` at `t_ns`: `path`, the shaking at that speed, and the angles whose sines are wanted.
+
+    `layout`, `c`, `constants` are of the `MotionTables`, `row` the channels' current pieces.
+    """
+    find_pieces(layout, t_ns, row)
+    v, path[V1, j], v2 = channel(layout, c, row[SPEED], t_ns)
+    yaw, path[YAW1, j], path[YAW2, j] = channel(layout, c, row[YAW], t_ns)
+    pitch, path[PITCH1, j], path[PITCH2, j] = channel(layout, c, row[PITCH], t_ns)
+    roll, path[ROLL1, j], path[ROLL2, j] = channel(layout, c, row[ROLL], t_ns)
+    e, e1, e2 = envelope(constants, v, path[V1, j], v2)
+    swell(shake, j, e, e1, e2)
+    path[V, j] = v
+    path[E, j], path[E1, j], path[E2, j] = e, e1, e2
+    angles[ANGLE, PATH_YAW, j] = yaw
+    angles[ANGLE, PATH_PITCH, j] = pitch
+    angles[ANGLE, BODY_YAW, j] = yaw + shake[SWAY_YAW, 0, j]
+    angles[ANGLE, BODY_PITCH, j] = pitch + shake[SWAY_PITCH, 0, j]
+    angles[ANGLE, BODY_ROLL, j] = roll + shake[SWAY_ROLL, 0, j]
+
+
+@inner
+def fill_sines(angles: Floats) -> None:
+    """Sines and cosines of all angles."""
+    for k in range(ANGLES):
+        for j in range(angles.shape[2]):
+            sin, cos = sincos_turns(angles[ANGLE, k, j] * TURNS_PER_RADIAN)
+            angles[SIN, k, j] = sin
+            angles[COS, k, j] = cos
