@@ -140,7 +140,8 @@ class EmulatedCpu:
             time.now = now
         else:
             self.poll()
-        elapsed = time.now - self._boot_ns
+            now = time.now
+        elapsed = now - self._boot_ns
         return elapsed + elapsed * self.crystal_error_ppb // SECOND
 
     def clock_at(self, time_ns: int) -> int:
@@ -178,12 +179,13 @@ class EmulatedCpu:
     def wait_for_interrupt(self) -> None:
         """Sleep until at least one handler has run."""
         self._polls = 0
+        open_lines = self.open_lines
         if self._owner is not None:
-            while not self.pending & self.open_lines:
+            while not self.pending & open_lines:
                 self._park_until(FAR)
         else:
             run_next = self.time.run_next
-            while not self.pending & self.open_lines:
+            while not self.pending & open_lines:
                 run_next()
         self.serve()
 
@@ -232,7 +234,8 @@ class EmulatedCpu:
         outer = self._running
         outer_nested_ns = self._nested_ns
         polls = self._polls
-        while ready := self.pending & self.open_lines:
+        outer_open = self._thread_open if outer is None else outer.open
+        while ready := self.pending & outer_open:
             bit = ready & -ready
             self.pending ^= bit
             line = self._by_bit[bit]
@@ -240,8 +243,7 @@ class EmulatedCpu:
             requested = line.pended_at
             self.open_lines = line.open
             self._running = line
-            self._nested_ns = 0
-            self._polls = 0
+            self._nested_ns = self._polls = 0
             entered = start + self._entry_ns
             if entered < time.limit:
                 time.now = entered
@@ -252,19 +254,18 @@ class EmulatedCpu:
             line.activations += 1
             busy = end - start - self._nested_ns
             line.busy_ns += busy
-            if busy > line.worst_busy_ns:
-                line.worst_busy_ns = busy
-            if start - requested > line.worst_start_ns:
-                line.worst_start_ns = start - requested
+            outer_nested_ns += end - start
             response = end - requested
-            if response > line.worst_response_ns:
-                line.worst_response_ns = response
-            if response > line.deadline_ns:
-                line.deadline_misses += 1
+            if (
+                response > line.notable_ns
+                or busy > line.worst_busy_ns
+                or start - requested > line.worst_start_ns
+            ):
+                line.note(response, busy, start - requested)
             if self._tracing:
                 self._trace(bit, start, end)
-            outer_nested_ns += end - start
-            self.open_lines = outer.open if outer is not None else self._thread_open
+            outer_open = self._thread_open if outer is None else outer.open
+        self.open_lines = outer_open
         self._running = outer
         self._nested_ns = outer_nested_ns
         self._polls = polls

@@ -35,6 +35,7 @@ class EmulatedLine:
         "deadline_misses",
         "deadline_ns",
         "handler",
+        "notable_ns",
         "open",
         "overruns",
         "pended_at",
@@ -59,9 +60,19 @@ class EmulatedLine:
         self.overruns = 0
         self.deadline_misses = 0
         self.busy_ns = 0
+        self.notable_ns = 0
+        """A response that takes longer is the longest so far, or misses the deadline."""
         self.worst_busy_ns = 0
         self.worst_response_ns = 0
         self.worst_start_ns = 0
+
+    def note(self, response: int, busy: int, waited: int) -> None:
+        """An activation that took longer than any before in some respect (ns), or missed its deadline."""
+        self.worst_busy_ns = max(self.worst_busy_ns, busy)
+        self.worst_start_ns = max(self.worst_start_ns, waited)
+        self.worst_response_ns = max(self.worst_response_ns, response)
+        self.deadline_misses += response > self.deadline_ns
+        self.notable_ns = min(self.worst_response_ns, self.deadline_ns)
 
     def request(self) -> None:
         """A piece of hardware asks for service, from an event or while some firmware operates it."""
@@ -72,8 +83,7 @@ class EmulatedLine:
             return
         cpu.pending |= bit
         time = cpu.time
-        now = time.now
-        self.pended_at = now
+        self.pended_at = now = time.now
         if not cpu.parked:
             if time.next_due > now:
                 time.look_now()

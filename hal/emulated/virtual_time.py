@@ -38,7 +38,7 @@ class VirtualTime:
     earliest event.
     """
 
-    __slots__ = ("_created", "_heap", "_horizon", "events_run", "limit", "next_due", "now")
+    __slots__ = ("_created", "_dropped", "_heap", "_horizon", "limit", "next_due", "now")
 
     def __init__(self) -> None:
         self.now = 0
@@ -47,9 +47,16 @@ class VirtualTime:
         """Work that ends before this needs no look at the queue: `next_due`, or the end of the first
         processor's own work while a further processor runs."""
         self._horizon = FAR
-        self.events_run = 0
-        self._heap: list[list[Any]] = []
+        # The last entry is never reached; with it the queue is never empty.
+        self._heap: list[list[Any]] = [[FAR, 0, 0, _nothing]]
         self._created = 0
+        self._dropped = 0
+        """Events that were cancelled before they ran."""
+
+    @property
+    def events_run(self) -> int:
+        """How many callbacks have run (and returned)."""
+        return self._created - self._dropped - (len(self._heap) - 1)
 
     def at(self, time_ns: int, callback: Callback, priority: int = 0) -> Event:
         """Run `callback` at `time_ns`.
@@ -85,33 +92,27 @@ class VirtualTime:
         self._horizon = end_ns
         self.run_next()
         self._horizon = FAR
-        self.limit = self.next_due
 
     def run_next(self) -> None:
-        """Move to the earliest event's time and run it. The queue must not be empty."""
+        """Move to the earliest event's time and run it. There must be one."""
         heap = self._heap
         entry = heap[0]
         callback = entry[3]
-        again = None
-        if callback is not None:
+        if callback is None:
+            heappop(heap)
+            self._dropped += 1
+        else:
             self.now = entry[0]
-            self.events_run += 1
             again = callback()
-        if heap and heap[0] is entry:
-            if again is None or entry[3] is None:
-                heappop(heap)
-            else:
-                self._created += 1
+            if again is not None and heap[0] is entry and entry[3] is not None:
                 entry[0] = again
-                entry[2] = self._created
+                self._created = entry[2] = self._created + 1
                 heapreplace(heap, entry)
                 if again < self.now:
                     raise ValueError(f"event repeats at {again} ns, before now ({self.now} ns)")
-        elif entry[2] != RELEASED:
-            self._put_back(entry, again)
-        due = heap[0][0] if heap else FAR
-        self.next_due = due
-        self.limit = due if due < self._horizon else self._horizon
+            else:
+                self._put_away(entry, again)
+        self.next_due = self.limit = heap[0][0]
 
     def release_running(self) -> None:
         """Take the running event off the queue before its callback returns.
@@ -120,12 +121,17 @@ class VirtualTime:
         """
         entry = heappop(self._heap)
         entry[2] = RELEASED
-        self._set_due(self._heap[0][0] if self._heap else FAR)
+        self._set_due(self._heap[0][0])
 
-    def _put_back(self, entry: list[Any], again: int | None) -> None:
-        """Take out or move the event that has run, although a more urgent one stands before it by now."""
-        self._heap.remove(entry)
-        heapify(self._heap)
+    def _put_away(self, entry: list[Any], again: int | None) -> None:
+        """Take out the event that has run, or move it although a more urgent one stands before it by now."""
+        if entry[2] == RELEASED:
+            return
+        if self._heap[0] is entry:
+            heappop(self._heap)
+        else:
+            self._heap.remove(entry)
+            heapify(self._heap)
         if again is not None and entry[3] is not None:
             self._created += 1
             entry[0] = again

@@ -29,7 +29,7 @@ class Acquisition:
         config = Bmi160Config(settings.imu_rate_hz, settings.imu_bandwidth, not self.by_timer)
         self.chip = Bmi160(io.spi["imu"], io.cpu, config)
         self._io = io
-        self._cpu = io.cpu
+        self._spend = io.cpu.spend
         self._cost = io.cpu.cost("imu_interrupt")
         self._now_ns = io.clock.now_ns
         self._read = self.chip.read
@@ -60,7 +60,7 @@ class Acquisition:
         self.read_at_ns = self._now_ns()
         self._read()
         self.reads += 1
-        self._cpu.spend(self._cost)
+        self._spend(self._cost)
         self.sample_ready()
 
 

@@ -76,7 +76,7 @@ class NavigationTasks:
         acquisition: Acquisition,
         output: Output,
     ) -> None:
-        self._cpu = io.cpu
+        self._spend = io.cpu.spend
         self._acquisition = acquisition
         self._raw = acquisition.chip.raw
         self._f = navigation.f
@@ -99,14 +99,14 @@ class NavigationTasks:
     def _on_sample(self) -> None:
         """`full-rate`: a step for every sample."""
         self._step(self._f, self._i, self._raw, self._acquisition.read_at_ns)
-        self._cpu.spend(self._step_cost)
+        self._spend(self._step_cost)
         self._count_step()
 
     def _on_mean_sample(self) -> None:
         """`thesis`: a step for every tenth sample."""
-        self._cpu.spend(self._sample_cost)
+        self._spend(self._sample_cost)
         if self._step(self._f, self._i, self._raw, self._acquisition.read_at_ns):
-            self._cpu.spend(self._step_cost)
+            self._spend(self._step_cost)
             self._count_step()
 
     def _count_step(self) -> None:
