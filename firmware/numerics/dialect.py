@@ -115,7 +115,7 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
     """
     import numba
 
-    from firmware.numerics.inner_code import KernelCompiler, make_inner
+    from firmware.numerics.inner_code import KernelCompiler, let_kernels_call, make_inner
 
     # The wrapper for C function pointers is never used; without it compilation is 8 % faster. Kernels make no
     # arrays, so that array arguments need no reference counts: a call with two of them takes half the time.
@@ -141,10 +141,7 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
         declare_only(dispatcher, signature.text)
         declare_only(inner, signature.text)
         _check_first_call(dispatcher, signature)
-    dispatcher.inner = inner
-    # What numba asks when another kernel calls this one.
-    dispatcher.get_call_template = inner.get_call_template
-    dispatcher.get_overload = inner.get_overload
+    let_kernels_call(dispatcher, inner)
     return dispatcher
 
 

@@ -11,7 +11,7 @@ Made by numba's documented means to customise a compiler (`pipeline_class`) and 
 """
 
 import functools
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 import numba
@@ -25,13 +25,17 @@ from numba.core.typing import Context
 class InnerLibrary(JITCodeLibrary):
     """Intermediate code of one kernel and of those it calls, to be linked into another library."""
 
-    def _optimize_final_module(self) -> None:
-        """Left to the library that this one is linked into."""
-
     def _finalize_final_module(self) -> None:
         """No machine code."""
         self._finalize_dynamic_globals()
         self._finalized = True
+
+
+class RawInnerLibrary(InnerLibrary):
+    """The same, to be optimised only there."""
+
+    def _optimize_final_module(self) -> None:
+        """Left to the library that this one is linked into."""
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
@@ -42,7 +46,9 @@ class InnerLowering(typed_passes.NativeLowering):
 
     def run_pass(self, state: Any) -> bool:
         """Lower the kernel and make it known to those that call it."""
-        state.library = InnerLibrary(state.targetctx.codegen(), state.func_id.func_qualname)
+        # Code that is inlined by force is not optimised first, as the inliner does on its own.
+        kind = InnerLibrary if state.flags.forceinline else RawInnerLibrary
+        state.library = kind(state.targetctx.codegen(), state.func_id.func_qualname)
         state.flags.no_compile = state.flags.no_cpython_wrapper = True
         super().run_pass(state)
         lowered = state["cr"]
@@ -130,7 +136,7 @@ class InnerCompiler(KernelCompiler):
     LOWERING = InnerLowering
 
 
-def make_inner(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+def make_inner(function: Callable[..., Any], options: Mapping[str, Any]) -> Any:
     """A dispatcher of numba for the calls of other kernels; Python cannot call it."""
     dispatcher: Any = numba.njit(pipeline_class=InnerCompiler, **options)(function)
 
@@ -139,3 +145,10 @@ def make_inner(function: Callable[..., Any], options: dict[str, Any]) -> Any:
 
     dispatcher.add_overload = add_overload
     return dispatcher
+
+
+def let_kernels_call(dispatcher: Any, inner: Any) -> None:
+    """Give kernels that call `dispatcher` the code of `inner`, made of the same function."""
+    dispatcher.inner = inner
+    dispatcher.get_call_template = inner.get_call_template
+    dispatcher.get_overload = inner.get_overload

@@ -23,27 +23,36 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.numerics.cache_folder import kernel_cache_folder
+from firmware.numerics.dialect import INTERPRETED
+from firmware.numerics.inner_code import KernelCompiler, let_kernels_call, make_inner
 
 F = TypeVar("F", bound=Callable[..., Any])
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
+_OPTIONS |= {"no_cfunc_wrapper": True}
 
 
 def inner(function: F) -> F:
-    """A function that only compiled functions call."""
-    return numba.njit(forceinline=True, **_OPTIONS)(function)
+    """A function for compiled functions to call; Python may call it too, its machine code is not kept."""
+    if INTERPRETED:
+        return function
+    dispatcher = numba.njit(**_OPTIONS, pipeline_class=KernelCompiler)(function)
+    let_kernels_call(dispatcher, make_inner(function, {"forceinline": True, **_OPTIONS}))
+    return dispatcher
 
 
 def entry(function: F) -> F:
     """A function called from Python; its machine code is kept between runs."""
+    if INTERPRETED:
+        return function
     folder = _cache_folder()
     config: Any = numba.config
     # Numba decides where code is kept when it decorates; others in this process keep their own place.
     before, config.CACHE_DIR = config.CACHE_DIR, str(folder)
     try:
-        return numba.njit(cache=folder is not None, **_OPTIONS)(function)
+        return numba.njit(cache=folder is not None, **_OPTIONS, pipeline_class=KernelCompiler)(function)
     finally:
         config.CACHE_DIR = before
 
