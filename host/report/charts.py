@@ -58,12 +58,14 @@ def column(name: str, times: float = 1) -> dict[str, Any]:
     return {"$": name} if times == 1 else {"$": name, "times": times}
 
 
-def _line(x: Any, y: Any, name: str, colour: str, **more: Any) -> Trace:
-    line = {"color": colour, "width": more.pop("width", 1.4)} | more.pop("line", {})
-    return {"type": "scatter", "mode": "lines", "x": x, "y": y, "name": name, "line": line} | more
+def line(x: Any, y: Any, name: str, colour: str, **more: Any) -> Trace:
+    """A trace of lines."""
+    style = {"color": colour, "width": more.pop("width", 1.4)} | more.pop("line", {})
+    return {"type": "scatter", "mode": "lines", "x": x, "y": y, "name": name, "line": style} | more
 
 
-def _dots(x: Any, y: Any, name: str, colour: str, **more: Any) -> Trace:
+def dots(x: Any, y: Any, name: str, colour: str, **more: Any) -> Trace:
+    """A trace of points."""
     marker = {"color": colour, "size": more.pop("size", 4), "opacity": 0.75}
     return {"type": "scatter", "mode": "markers", "x": x, "y": y, "name": name, "marker": marker} | more
 
@@ -76,17 +78,17 @@ def _track(data: RunData) -> Chart:
     place = (column("solution.east_m"), column("solution.north_m"))
     receiver = (column("gnss.east_m"), column("gnss.north_m"))
     traces = [
-        _dots(*receiver, "GNSS alone", GNSS),
-        _line(*true_place, "truth", TRUTH, width=1.2),
-        _line(*place, "fused", FUSED, width=1.8),
+        dots(*receiver, "GNSS alone", GNSS),
+        line(*true_place, "truth", TRUTH, width=1.2),
+        line(*place, "fused", FUSED, width=1.8),
     ]
     if data.outages:
         inside = (column("solution.outage_east_m"), column("solution.outage_north_m"))
-        traces.append(_line(*inside, "fused during an outage", OUTAGE_LINE, width=3))
+        traces.append(line(*inside, "fused during an outage", OUTAGE_LINE, width=3))
     layout = {
         "height": 620,
-        "xaxis": _axis("east, m", zeroline=False),
-        "yaxis": _axis("north, m", zeroline=False, scaleanchor="x", scaleratio=1),
+        "xaxis": axis("east, m", zeroline=False),
+        "yaxis": axis("north, m", zeroline=False, scaleanchor="x", scaleratio=1),
     }
     text = "Seen from above, in the plane at the first position. Scroll to zoom, drag to pan."
     return Chart("track", "Track", text, traces, layout | {"dragmode": "pan"})
@@ -139,9 +141,9 @@ def _errors(
     for place, (_, error, sigma) in enumerate(rows):
         traces += _band(time, f"solution.{sigma}", place)
         if with_gnss:
-            dots = _dots(column("gnss.t_s"), column(f"gnss.{error}"), "GNSS alone", GNSS, size=3)
-            traces.append(_on(dots, place))
-        traces.append(_on(_line(time, column(f"solution.{error}"), "fused", FUSED), place))
+            receiver = dots(column("gnss.t_s"), column(f"gnss.{error}"), "GNSS alone", GNSS, size=3)
+            traces.append(_on(receiver, place))
+        traces.append(_on(line(time, column(f"solution.{error}"), "fused", FUSED), place))
     labels = [label for label, _, _ in rows]
     ranges = [_focus(data, f"{error}", sigma) for _, error, sigma in rows]
     return Chart(key, title, text, traces, _stacked(labels, data, ranges), in_time=True)
@@ -154,8 +156,8 @@ def _innovations(data: RunData) -> Chart:
     traces: list[Trace] = []
     for place, name in enumerate(names):
         traces += _band(time, f"innovations.sigma_{name}", place)
-        dots = _dots(time, column(f"innovations.{name}"), "innovation", FUSED, size=3)
-        traces.append(_on(dots, place))
+        points = dots(time, column(f"innovations.{name}"), "innovation", FUSED, size=3)
+        traces.append(_on(points, place))
     text = "What each GNSS update told the filter beyond its prediction, with 3 σ of the prediction."
     return Chart("innovations", "Innovations", text, traces, _stacked(labels, data), in_time=True)
 
@@ -167,9 +169,9 @@ def _biases(data: RunData) -> Chart:
     traces: list[Trace] = []
     for place, name in enumerate(names):
         traces += _band(time, f"biases.sigma_{name}", place, around=f"biases.{name}")
-        true = _line(time, column(f"biases.true_{name}"), "truth", TRUTH, line={"dash": "dot"})
+        true = line(time, column(f"biases.true_{name}"), "truth", TRUTH, line={"dash": "dot"})
         traces.append(_on(true, place))
-        traces.append(_on(_line(time, column(f"biases.{name}"), "estimate", FUSED), place))
+        traces.append(_on(line(time, column(f"biases.{name}"), "estimate", FUSED), place))
     text = "Sensor biases as the filter estimates them, with 3 σ, and as the simulated sensor has them."
     return Chart("biases", "Sensor biases", text, traces, _stacked(labels, data), in_time=True)
 
@@ -181,7 +183,7 @@ def _band(time: Any, sigma: str, place: int, around: str | None = None) -> list[
         y: dict[str, Any] = column(sigma, side)
         if around is not None:
             y["plus"] = around
-        edges.append(_line(time, y, "3 σ", BAND, width=0, hoverinfo="skip"))
+        edges.append(line(time, y, "3 σ", BAND, width=0, hoverinfo="skip"))
     edges[0]["showlegend"] = False
     edges[1] |= {"fill": "tonexty", "fillcolor": BAND}
     return [_on(edge, place) for edge in edges]
@@ -217,16 +219,14 @@ def _stacked(
     height = (1 - gap * (count - 1)) / count
     layout: dict[str, Any] = {
         "height": 130 + 135 * count,
-        "xaxis": _axis(
-            "time, s", anchor=f"y{count}" if count > 1 else "y", zeroline=False, range=_span(data)
-        ),
+        "xaxis": axis("time, s", anchor=f"y{count}" if count > 1 else "y", zeroline=False, range=_span(data)),
     }
     for place, label in enumerate(labels):
         top = 1 - place * (height + gap)
-        axis = _axis(label, domain=[max(0.0, top - height), top], zeroline=True, zerolinecolor="#c3c9d2")
+        made = axis(label, domain=[max(0.0, top - height), top], zeroline=True, zerolinecolor="#c3c9d2")
         if place < len(ranges) and ranges[place] is not None:
-            axis["range"] = ranges[place]
-        layout[f"yaxis{place + 1}" if place else "yaxis"] = axis
+            made["range"] = ranges[place]
+        layout[f"yaxis{place + 1}" if place else "yaxis"] = made
     layout["shapes"] = [
         {
             "type": "rect",
@@ -251,5 +251,6 @@ def _span(data: RunData) -> list[float]:
     return [0.0, float(t[-1])] if len(t) else [0.0, 1.0]
 
 
-def _axis(title: str, **more: Any) -> dict[str, Any]:
+def axis(title: str, **more: Any) -> dict[str, Any]:
+    """An axis with its title, in the page's colours."""
     return {"title": {"text": title, "standoff": 8}, "gridcolor": GRID, "linecolor": "#c3c9d2"} | more

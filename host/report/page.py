@@ -5,8 +5,6 @@ The bytes depend on the run alone: no date, no random identifiers, no wall-clock
 
 from __future__ import annotations
 
-import base64
-import json
 from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
@@ -15,10 +13,10 @@ import numpy as np
 
 from host.record.result import RunResult
 from host.record.run_data import RunData
-from host.report.assets import SCRIPT, STYLE
 from host.report.charts import Chart, charts
+from host.report.html import card, chart_block, chart_scripts, document, table
 from host.report.numbers import number, percent
-from host.report.summary import MET, NOT_MET, Section, sections, verdict
+from host.report.summary import sections, verdict
 from host.report.timeline import timeline
 
 
@@ -26,21 +24,21 @@ def render(result: RunResult, manifest: Mapping[str, Any]) -> str:
     """The whole page. `result.data` holds the series; without it the page has tables only."""
     figures = charts(result.data) if result.data is not None else []
     timelines = [timeline(trace) for trace in result.data.traces] if result.data is not None else []
-    tables = {section.title: _table(section) for section in sections(result)}
+    tables = {section.title: table(section) for section in sections(result)}
     title = f"{result.board} · {result.scenario} · {result.profile} · seed {result.seed}"
     body = [
         _header(result),
         *_take(tables, "Expectations", "Errors against the truth"),
-        *map(_chart, figures),
+        *map(chart_block, figures),
         *_pair(_take(tables, "Consistency and coverage", "GNSS outages")),
         *_take(tables, "Recording: constants of the reference", "Recording: mounting"),
         *_pair(_take(tables, "Processors", "Buses")),
         *_take(tables, "Tasks"),
-        *map(_chart, timelines),
+        *map(chart_block, timelines),
         *tables.values(),
         _provenance(result, manifest),
     ]
-    return _document(title, body, _scripts(result.data, figures, timelines))
+    return document(title, body, _scripts(result.data, figures, timelines))
 
 
 def _take(tables: dict[str, str], *titles: str) -> list[str]:
@@ -51,16 +49,6 @@ def _take(tables: dict[str, str], *titles: str) -> list[str]:
 def _pair(blocks: Sequence[str]) -> list[str]:
     """Blocks side by side where the page is wide enough."""
     return ['<div class="pair">' + "".join(blocks) + "</div>"] if blocks else []
-
-
-def _document(title: str, body: Sequence[str], scripts: str) -> str:
-    return (
-        '<!doctype html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(title)}</title>\n<style>{STYLE}</style>\n</head>\n<body>\n<main>\n"
-        + "\n".join(body)
-        + f"\n</main>\n{scripts}</body>\n</html>\n"
-    )
 
 
 def _header(result: RunResult) -> str:
@@ -92,38 +80,11 @@ def _cards(result: RunResult) -> str:
         count = len(result.outages)
         cards.append((drift, f"median drift of {count} outages" if count > 1 else "drift in the outage"))
     cards += [(percent(cpu.load), f"load of {cpu.name}") for cpu in result.cpu]
-    return '<div class="cards">' + "".join(map(_card, cards)) + "</div>"
+    return '<div class="cards">' + "".join(card(*one) for one in cards) + "</div>"
 
 
 def _larger(one: float | None, other: float | None) -> float | None:
     return None if one is None or other is None else max(one, other)
-
-
-def _card(card: tuple[str, str]) -> str:
-    return f'<div class="card"><b>{escape(card[0])}</b><span>{escape(card[1])}</span></div>'
-
-
-def _table(section: Section) -> str:
-    head = "".join(_cell("th", text, place, section) for place, text in enumerate(section.columns))
-    rows = "\n".join(
-        "<tr>" + "".join(_cell("td", text, place, section) for place, text in enumerate(row)) + "</tr>"
-        for row in section.rows
-    )
-    note = f'<p class="note">{escape(section.note)}</p>' if section.note else ""
-    return f"<section><h2>{escape(section.title)}</h2>{note}<table><tr>{head}</tr>\n{rows}</table></section>"
-
-
-def _cell(tag: str, text: str, place: int, section: Section) -> str:
-    kind = {MET: "ok", NOT_MET: "no"}.get(text, "word" if place < section.words else "")
-    attribute = f' class="{kind}"' if kind else ""
-    return f"<{tag}{attribute}>{escape(text)}</{tag}>"
-
-
-def _chart(chart: Chart) -> str:
-    return (
-        f'<section><h2>{escape(chart.title)}</h2><p class="note">{escape(chart.explanation)}</p>'
-        f'<div class="chart" id="{escape(chart.key)}"></div></section>'
-    )
 
 
 def _provenance(result: RunResult, manifest: Mapping[str, Any]) -> str:
@@ -145,37 +106,17 @@ def _provenance(result: RunResult, manifest: Mapping[str, Any]) -> str:
 
 
 def _scripts(data: RunData | None, figures: Sequence[Chart], timelines: Sequence[Chart]) -> str:
-    if data is None or not (figures or timelines):
-        return ""
-    from plotly.offline import get_plotlyjs
-
-    described = [
-        {"key": chart.key, "traces": chart.traces, "layout": chart.layout, "time": chart.in_time}
-        for chart in (*figures, *timelines)
-    ]
-    blocks = {"data": _columns(data, figures), "figures": described}
-    return "".join(
-        [f"<script>{get_plotlyjs()}</script>\n"]
-        + [
-            f'<script type="application/json" id="{key}">{_json(block)}</script>\n'
-            for key, block in blocks.items()
-        ]
-        + [f"<script>{SCRIPT}</script>\n"]
-    )
+    return "" if data is None else chart_scripts(_columns(data, figures), (*figures, *timelines))
 
 
-def _json(value: Any) -> str:
-    return json.dumps(value, separators=(",", ":")).replace("</", "<\\/")
-
-
-def _columns(data: RunData, figures: Sequence[Chart]) -> dict[str, str]:
-    """The columns that the charts refer to, float32 little endian in base64."""
+def _columns(data: RunData, figures: Sequence[Chart]) -> dict[str, np.ndarray[Any, Any]]:
+    """The columns that the charts refer to."""
     names: set[str] = set()
     for chart in figures:
         for trace in chart.traces:
             for axis in ("x", "y"):
                 names |= {trace[axis][key] for key in ("$", "plus") if key in trace[axis]}
-    return {name: _encoded(_column(data, name)) for name in sorted(names)}
+    return {name: _column(data, name) for name in names}
 
 
 def _column(data: RunData, name: str) -> np.ndarray[Any, Any]:
@@ -188,7 +129,3 @@ def _column(data: RunData, name: str) -> np.ndarray[Any, Any]:
         return np.where(inside, data.solution.column(column.removeprefix("outage_")), np.nan)
     found: np.ndarray[Any, Any] = getattr(data, series).column(column)
     return found
-
-
-def _encoded(values: np.ndarray[Any, Any]) -> str:
-    return base64.b64encode(values.astype("<f4").tobytes()).decode()
