@@ -13,6 +13,15 @@ from host.sim.scenario.errors import ScenarioError
 RADIUS = 6.36e6
 
 
+def moving_world(**tables):
+    drive = [
+        {"kind": "reach-speed", "duration_s": 10.0, "to_mps": 12.0},
+        {"kind": "turn", "duration_s": 30.0, "angle_deg": 200.0},
+        {"kind": "cruise", "duration_s": 100.0},
+    ]
+    return world(segment=drive, duration_s=140.0, **tables)
+
+
 def errors(w, receiver, seconds):
     """Position error N, E, D in m and velocity error, at 1 Hz."""
     times = np.arange(0, seconds) * SECOND
@@ -57,6 +66,24 @@ def test_the_lever_arm_moves_the_antenna():
     )
     assert roof.latitude == pytest.approx(centre.latitude, abs=1e-12)
     assert roof.height - centre.height == pytest.approx(1.5, abs=1e-9)
+
+
+def test_a_receiver_may_ask_in_any_steps():
+    """Truth is computed ahead for equal steps; another step must not get what was meant for the old one."""
+    quiet = dict.fromkeys(("position_white_m", "velocity_white_mps"), 0.0)
+    w = moving_world(gnss=quiet | {"position_markov_time_s": 20.0})
+    steps = [SECOND] * 40 + [SECOND // 5] * 30 + [SECOND // 4, SECOND // 3, 2 * SECOND] + [SECOND] * 20
+    lever = np.array([-0.3, 0.1, -1.1])
+    receiver, at_once = w.gnss("U3", lever), w.gnss("U3", lever)
+    time_ns = 0
+    for step_ns in steps:
+        time_ns += step_ns
+        epoch = receiver.epoch(time_ns)
+        truth = w.antenna_truth(np.array([time_ns]), lever)
+        assert epoch.velocity_ned == tuple(truth.v_ned[0])
+        assert abs(epoch.latitude - truth.latitude[0]) * RADIUS < 10.0
+    alone = at_once.epoch(time_ns)
+    assert (alone.latitude, alone.longitude, alone.height) == (epoch.latitude, epoch.longitude, epoch.height)
 
 
 def test_latency_is_drawn_once_a_run():

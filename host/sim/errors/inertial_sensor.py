@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.sim.errors.drawn import AXES, Specimen
-from host.sim.errors.processes import ProcessBank
+from host.sim.errors.processes import ProcessBank, between_nodes
 from host.sim.errors.sensor_kernel import (
     BIAS_A,
     BIAS_G,
@@ -85,12 +85,9 @@ class InertialSensor:
         """Bias of gyro (3, rad/s) and accelerometer (3, m/s²), their scale errors (3, 3) and the temperature,
         shape (n, 13), in the sensor's axes, at rising times."""
         out = np.empty((len(times_ns), SLOW))
-        step = 1 << self._bank.node_shift
         for chunk, part in split_by_chunk(times_ns):
-            nodes = self._slow_nodes(chunk)
-            at = (times_ns[part] - (chunk << CHUNK_SHIFT)) / step
-            for column in range(SLOW):
-                out[part, column] = np.interp(at, np.arange(len(nodes)), nodes[:, column])
+            elapsed_ns = times_ns[part] - (chunk << CHUNK_SHIFT)
+            out[part] = between_nodes(self._slow_nodes(chunk), self._bank.node_shift, elapsed_ns)
         return out
 
     def _slow_nodes(self, chunk: int) -> Array:
@@ -108,19 +105,16 @@ class InertialSensor:
         s = self.specimen
         out = np.empty((len(running), SLOW))
         t = ((chunk << CHUNK_SHIFT) + np.arange(len(running)) * (1 << self._bank.node_shift)) * 1e-9
-        warm = np.array([-math.expm1(-x / s.rise_time_s) for x in t])
+        warm = np.array([-math.expm1(-x / s.rise_time_s) for x in t.tolist()])
         out[:, TEMPERATURE] = s.start_c + s.rise_k * warm
-        above = out[:, TEMPERATURE] - s.reference_c
+        above = out[:, TEMPERATURE : TEMPERATURE + 1] - s.reference_c
         for triad, first, bias, scale in (
             (s.gyro, 0, BIAS_G, SCALE_G),
             (s.accelerometer, 9, BIAS_A, SCALE_A),
         ):
-            for i in range(3):
-                drift = running[:, first + i] + running[:, first + 3 + i]
-                out[:, bias + i] = triad.bias[i] + drift + triad.bias_per_kelvin[i] * above
-                out[:, scale + i] = (
-                    triad.scale[i] + running[:, first + 6 + i] + triad.scale_per_kelvin[i] * above
-                )
+            instability, walk, scale_drift = (running[:, k : k + 3] for k in (first, first + 3, first + 6))
+            out[:, bias : bias + 3] = triad.bias + (instability + walk) + triad.bias_per_kelvin * above
+            out[:, scale : scale + 3] = triad.scale + scale_drift + triad.scale_per_kelvin * above
         return out
 
 

@@ -100,11 +100,8 @@ class ProcessBank:
         """All channels at rising times, (n, channels)."""
         out = np.empty((len(times_ns), len(self._processes)))
         for chunk, part in split_by_chunk(times_ns):
-            nodes = self.nodes(chunk)
-            elapsed = times_ns[part] - (chunk << CHUNK_SHIFT)
-            k = elapsed >> self.node_shift
-            x = (elapsed - (k << self.node_shift)) / (1 << self.node_shift)
-            out[part] = nodes[k] + x[:, None] * (nodes[k + 1] - nodes[k])
+            elapsed_ns = times_ns[part] - (chunk << CHUNK_SHIFT)
+            out[part] = between_nodes(self.nodes(chunk), self.node_shift, elapsed_ns)
         return out
 
     def _run(self) -> NDArray[np.float64]:
@@ -121,6 +118,16 @@ class ProcessBank:
         self._state = nodes[-1].copy()
         self._next_chunk += 1
         return nodes
+
+
+def between_nodes(
+    nodes: NDArray[np.float64], shift: int, elapsed_ns: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Linear between nodes (k, channels) 2^shift ns apart, at times since the first one; (n, channels)."""
+    k = elapsed_ns >> shift
+    x = (elapsed_ns - (k << shift)) / (1 << shift)
+    values: NDArray[np.float64] = nodes[k] + x[:, None] * (nodes[k + 1] - nodes[k])
+    return values
 
 
 @entry

@@ -108,3 +108,12 @@ def test_reset_loads_all_values() -> None:
     file.write(0x11, 9, 0)
     file.reset()
     assert (file.values[0x00], file.values[0x10], file.values[0x11]) == (0x5A, 0x81, 0x00)
+
+
+def test_plain_spans_are_those_that_reading_does_nothing_to() -> None:
+    file, log = registers()
+    file.after_read[0x12] = lambda: None
+    spans = [(first, end) for first in range(0x22) for end in range(first + 1, 0x23)]
+    plain = {span for span in spans if file.plain(*span)}
+    assert plain == {(0x00, 0x01), (0x10, 0x11), (0x10, 0x12), (0x11, 0x12)}
+    assert log.reports == []

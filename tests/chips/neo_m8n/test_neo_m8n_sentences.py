@@ -289,6 +289,31 @@ def test_two_dimensional_fix_with_three_satellites() -> None:
     assert line(data, "RMC").split(",")[2] == "A"
 
 
+def test_satellites_are_printed_anew_when_anything_about_them_changes() -> None:
+    """Their sentences are kept from epoch to epoch; no epoch may show an older one's."""
+    world = BenchWorld()
+    rig = Rig(world=world)
+    rig.run(2.9)
+    weaker = tuple(replace(satellite, cn0_dbhz=20.0) for satellite in SKY)
+    same = lines(rig.run(1.0))
+    kept = [text for text in same if "GSA" in text or "GSV" in text]
+    assert kept == [text for text in lines(rig.run(1.0)) if "GSA" in text or "GSV" in text]
+    for changes, shown in (
+        ({"hdop": 1.11}, "$GNGSA,A,3,01,03,04,11,,,,,,,,,1.56,1.11,1.27"),
+        ({"satellites": weaker}, "$GPGSV,2,1,07,01,53,280,20,03,29,301,20,04,55,223,20,08,38,166,20"),
+        ({"fix": False}, "$GNGSA,A,1,,,,,,,,,,,,,99.99,99.99,99.99"),
+        (
+            {"fix": True, "satellites": SKY},
+            "$GPGSV,2,1,07,01,53,280,36,03,29,301,24,04,55,223,37,08,38,166,16",
+        ),
+    ):
+        world.set(**changes)
+        assert shown in [text[:-3] for text in lines(rig.run(1.0))]
+    rig.say(ubx(6, 0x17, bytes((0, 0x41, 0, 2, *bytes(16)))))  # NMEA 4.1: GSA and GSV have a field more
+    printed = lines(rig.run(1.0)[10:])  # behind the acknowledgement
+    assert "$GNGSA,A,3,01,03,04,11,,,,,,,,,1.56,1.11,1.27,1" in [text[:-3] for text in printed]
+
+
 def test_every_line_has_the_shape_of_a_sentence(standard: bytes) -> None:
     for text in lines(standard):
         assert re.fullmatch(r"\$G[NPL][A-Z]{3},[ -)+-~]*\*[0-9A-F]{2}", text)
