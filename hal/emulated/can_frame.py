@@ -116,32 +116,36 @@ def check_frame(frame: CanFrame) -> None:
     _header(frame[0], frame[2], len(frame[1]))
 
 
+SYMBOLS = 256 + 128
+"""What the stuffing table knows for each state: bytes, and tails of seven bits."""
+
+
 @lru_cache(maxsize=1)
-def _arrays() -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
-    """CRC of a byte; stuffing state after a byte or a tail of seven bits and stuff bits in it, by state."""
+def _arrays() -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """CRC of a byte; by SYMBOLS · state + symbol: 4 · (SYMBOLS · state after it) + stuff bits in it."""
     symbols = [(byte, 8) for byte in range(256)] + [(tail, 7) for tail in range(128)]
-    stuffing = np.array([[_stuff(state, *symbol) for symbol in symbols] for state in range(8)])
-    return np.array(CRC_TABLE), stuffing[:, :, 0], stuffing[:, :, 1]
+    stuffing = [_stuff(state, *symbol) for state in range(8) for symbol in symbols]
+    return np.array(CRC_TABLE, np.int32), np.array([4 * SYMBOLS * s + n for s, n in stuffing], np.int32)
 
 
 def frame_lengths(frames: Sequence[CanFrame]) -> list[int]:
-    """`frame_bits` of every frame."""
-    full = [n for n, frame in enumerate(frames) if len(frame[1]) == 8]
-    if len(full) < 8:
+    """`frame_bits` of every frame, at little cost when all have eight bytes. At least one frame."""
+    identifiers, data_fields, extended = zip(*frames, strict=True)
+    if set(map(len, data_fields)) != {8}:
         return [frame_bits(frame) for frame in frames]
-    crc_of_byte, state_after, stuff_bits = _arrays()
-    crc, state, bits = np.array([_header(frames[n][0], frames[n][2], 8) for n in full]).T.copy()
-    data = np.frombuffer(b"".join([frames[n][1] for n in full]), np.uint8).reshape(-1, 8)
-    for byte in data.T.astype(np.int64):
-        crc = (crc & 0x7F) << 8 ^ crc_of_byte[crc >> 7 ^ byte]
-        bits += stuff_bits[state, byte]
-        state = state_after[state, byte]
+    crc_of_byte, stuffing = _arrays()
+    kinds, kind = np.unique(np.array(identifiers) << 1 | np.array(extended), return_inverse=True)
+    heads = np.array([_header(k >> 1, bool(k & 1), 8) for k in kinds.tolist()], np.int32)[kind]
+    crc, row, bits = heads[:, 0], heads[:, 1] * SYMBOLS, heads[:, 2]
+    data = np.frombuffer(b"".join(data_fields), np.uint8).reshape(-1, 8)
+    for byte in data.T.astype(np.int32):
+        crc = (crc & 0x7F) << 8 ^ crc_of_byte.take(crc >> 7 ^ byte)
+        step = stuffing.take(row + byte)
+        row, bits = step >> 2, bits + (step & 3)
     for symbol in (crc >> 7, 256 + (crc & 0x7F)):
-        bits += stuff_bits[state, symbol]
-        state = state_after[state, symbol]
-    lengths = [0] * len(frames) if len(full) == len(frames) else [frame_bits(frame) for frame in frames]
-    for n, length in zip(full, bits.tolist(), strict=True):
-        lengths[n] = length
+        step = stuffing.take(row + symbol)
+        row, bits = step >> 2, bits + (step & 3)
+    lengths: list[int] = bits.tolist()
     return lengths
 
 

@@ -26,7 +26,10 @@ STEPS = st.lists(
 )
 
 
-@given(st.lists(FRAMES, max_size=40))
+FULL = st.builds(CanFrame, st.integers(0, 0x7FF), st.binary(min_size=8, max_size=8), st.booleans())
+
+
+@given(st.lists(FRAMES, min_size=1, max_size=40) | st.lists(FULL, min_size=1, max_size=40))
 def test_lengths_side_by_side_are_those_of_each_frame(frames: list[CanFrame]) -> None:
     assert frame_lengths(frames) == [frame_bits(frame) for frame in frames]
 
