@@ -27,9 +27,14 @@ def envelope(constants: Floats, v: float, v1: float, v2: float) -> tuple[float, 
 @inner
 def shaking(layout: Integers, bank: Floats, times: Floats, sums: Floats, out: Floats) -> None:
     """Sums of the bank at times (n) in s: out (6, 3, n) = value and two derivatives per target; `sums`
-    (3, n) is scratch."""
+    (3, n) is scratch.
+
+    Array assignments would make numba compile its words for arrays that do not fit, which takes 4 s.
+    """
     for target in range(6):
-        sums[:] = 0.0
+        for k in range(3):
+            for j in range(times.shape[0]):
+                sums[k, j] = 0.0
         for i in range(layout[LIMITS + target], layout[LIMITS + target + 1]):
             frequency, phase = bank[0, i], bank[1, i]
             amplitude, by_w, by_w2 = bank[2, i], bank[3, i], bank[4, i]
@@ -38,7 +43,9 @@ def shaking(layout: Integers, bank: Floats, times: Floats, sums: Floats, out: Fl
                 sums[0, j] += amplitude * sin
                 sums[1, j] += by_w * cos
                 sums[2, j] -= by_w2 * sin
-        out[target] = sums
+        for k in range(3):
+            for j in range(times.shape[0]):
+                out[target, k, j] = sums[k, j]
 
 
 @inner
