@@ -64,6 +64,8 @@ class Transmitter:
     def queued(self) -> int:
         """Bytes that have not left yet."""
         backlog_ns = self._idle_at_ns - self._time.now
+        if backlog_ns <= 0 and not self._waiting:
+            return 0
         on_line = -(-backlog_ns * self.baud // (BITS_A_BYTE * SECOND)) if backlog_ns > 0 else 0
         return on_line + sum(map(len, self._waiting))
 

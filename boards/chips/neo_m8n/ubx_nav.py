@@ -23,6 +23,7 @@ _TIMEGPS = Struct("<IihbBI")
 _TIMEUTC = Struct("<IIiH5BB")
 _CLOCK = Struct("<IiiII")
 
+LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
 NO_FIX_DOP = 9999
 NO_FIX_S_ACC_MMPS = 20_000
 LARGEST_HEADING_ACC = 18_000_000
@@ -32,15 +33,25 @@ USNO = 3
 """UTC standard: the one derived from GPS."""
 
 
-def _integer(value: float, scale: float, bits: int = 32) -> int:
-    """A signed field of `bits` bits."""
-    limit = 1 << (bits - 1)
-    return round(min(max(value * scale, -limit), limit - 1))
+def _integer(value: float, scale: float) -> int:
+    """A signed 32-bit field."""
+    scaled = value * scale
+    if LOWEST <= scaled <= HIGHEST:
+        return round(scaled)
+    return LOWEST if scaled < 0.0 else HIGHEST
+
+
+def _week(solution: Solution) -> int:
+    """The week in a signed 16-bit field."""
+    return min(max(solution.week, -0x8000), 0x7FFF)
 
 
 def _accuracy(value: float, scale: float) -> int:
     """An unsigned 32-bit accuracy."""
-    return round(min(max(value * scale, 0.0), UNKNOWN_ACCURACY))
+    scaled = value * scale
+    if 0.0 <= scaled <= UNKNOWN_ACCURACY:
+        return round(scaled)
+    return 0 if scaled < 0.0 else UNKNOWN_ACCURACY
 
 
 def _dop(value: float) -> int:
@@ -114,7 +125,7 @@ def nav_sol(solution: Solution) -> bytes:
     fix, epoch = solution.fix, solution.epoch
     place, velocity = _earth_centred(solution)
     payload = _SOL.pack(
-        *(solution.tow_ms, _remainder_ns(solution), _integer(solution.week, 1.0, 16)),
+        *(solution.tow_ms, _remainder_ns(solution), _week(solution)),
         *(fix, _fix_flags(solution)),
         *(_integer(metres, 1e2) for metres in place),
         _accuracy(math.hypot(epoch.h_acc, epoch.v_acc), 1e2) if fix else UNKNOWN_ACCURACY,
@@ -162,7 +173,7 @@ def nav_timegps(solution: Solution) -> bytes:
     """01 20: GPS time."""
     valid = (0x07 if solution.leap_known else 0x03) if solution.time_known else 0
     payload = _TIMEGPS.pack(
-        *(solution.tow_ms, _remainder_ns(solution), _integer(solution.week, 1.0, 16), solution.leap_seconds),
+        *(solution.tow_ms, _remainder_ns(solution), _week(solution), solution.leap_seconds),
         *(valid, solution.time_accuracy_ns),
     )
     return frame(CLASS_NAV, 0x20, payload)
