@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Mapping
-from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveInt, model_validator
 
-from boards.validation import DescriptionError, read_toml, validated
+from boards.places import board_folder
+from boards.validation import read_toml, validated
 
 Matrix3 = tuple[tuple[FiniteFloat, FiniteFloat, FiniteFloat], ...]
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
@@ -173,27 +173,6 @@ def _must_be_known(kind: str, name: str, known: dict[str, Any], where: str) -> N
         raise ValueError(
             f"{where} names the {kind} {name!r}, which the board does not have; it has: {', '.join(known)}"
         )
-
-
-def board_names() -> list[str]:
-    """The boards that come with navtwin, in alphabetical order."""
-    root = Path(__file__).parent
-    return sorted(entry.name for entry in root.iterdir() if (entry / "board.toml").is_file())
-
-
-def board_folder(name_or_path: str) -> Path:
-    """The folder of a board given by name, by folder or by its board.toml."""
-    path = Path(name_or_path)
-    if path.name == "board.toml" and path.is_file():
-        return path.parent
-    if (path / "board.toml").is_file():
-        return path
-    if name_or_path in board_names():
-        return Path(__file__).parent / name_or_path
-    known = ", ".join(board_names())
-    raise DescriptionError(
-        f"no board {name_or_path!r}: not a folder with a board.toml; boards that come along: {known}"
-    )
 
 
 def load_board(name_or_path: str, edit: Callable[[dict[str, Any]], dict[str, Any]] | None = None) -> Board:

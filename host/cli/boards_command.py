@@ -3,22 +3,35 @@
 from __future__ import annotations
 
 import json
+import sys
 import tomllib
 from pathlib import Path
 from typing import Any
 
-from boards.description import Board, board_folder, board_names, load_board
-from host.cli.exit_codes import EXIT_MET
+from boards.description import Board, load_board
+from boards.places import board_folder, board_names
+from boards.validation import DescriptionError
+from host.cli.exit_codes import EXIT_BAD_INPUT, EXIT_MET
 
 
 def list_boards(as_json: bool) -> int:
-    """Print all boards, as a table or as JSON. Returns the exit code."""
-    boards = [_described(load_board(name), board_folder(name)) for name in board_names()]
+    """Print all boards, as a table or as JSON; what is wrong with one of them goes to standard error.
+
+    Returns the exit code.
+    """
+    boards = []
+    code = EXIT_MET
+    for name in board_names():
+        try:
+            boards.append(_described(load_board(name), board_folder(name)))
+        except DescriptionError as error:
+            print(f"navtwin: {error}", file=sys.stderr)
+            code = EXIT_BAD_INPUT
     if as_json:
         print(json.dumps(boards, indent=1))
     else:
         _print_tables(boards)
-    return EXIT_MET
+    return code
 
 
 def _described(board: Board, folder: Path) -> dict[str, Any]:

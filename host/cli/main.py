@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from host.cli.exit_codes import EXIT_INTERRUPTED, guarded
+from host.cli.new_command import app as new_app
 
 EXAMPLES = (
     ("navtwin boards", "what there is to run"),
@@ -34,6 +35,7 @@ app = typer.Typer(
     rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
+app.add_typer(new_app, name="new")
 
 
 def _show_version(wanted: bool) -> None:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from boards.description import Board, board_folder, load_board
+from boards.description import Board, load_board
+from boards.places import board_folder
 from host.record.errors import UserError, did_you_mean
 from host.record.result import RunRequest
+from host.run.own_modules import make_importable
 from host.sim.scenario.load import load_scenario, merged
 from host.sim.scenario.overrides import apply_overrides
 from host.sim.scenario.schema import Scenario
@@ -39,7 +40,7 @@ def resolve(request: RunRequest) -> Setup:
     profile_changes = _with_prefix(request.overrides, PROFILE_PREFIX)
     others = [change for change in request.overrides if not change.startswith((BOARD_PREFIX, PROFILE_PREFIX))]
     folder_board = load_board(request.board)
-    _make_importable(board_folder(request.board))
+    make_importable(folder_board, board_folder(request.board))
     scenario = load_scenario(
         scenario_path(request.board, request.scenario or folder_board.default_scenario), others
     )
@@ -54,13 +55,6 @@ def resolve(request: RunRequest) -> Setup:
         {**board.profiles[profile_name], **scenario.profile.get(profile_name, {})}, profile_changes
     )
     return Setup(board, scenario, profile_name, profile)
-
-
-def _make_importable(folder: Path) -> None:
-    """A board of one's own has its program and chip models beside its board.toml."""
-    place = str(folder.resolve())
-    if place not in sys.path:
-        sys.path.insert(0, place)
 
 
 def scenario_names(board: str) -> list[str]:

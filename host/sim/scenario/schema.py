@@ -189,7 +189,8 @@ class Limit:
 _LIMIT = re.compile(r"^\s*(<=|>=)\s*(\S+)\s*$")
 
 
-def _limit(value: Any) -> Limit:
+def limit_of(value: Any) -> Limit:
+    """A limit as it is written under [expect]. Raises ValueError that tells what may stand there."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
         raise ValueError('must be a number (an upper limit) or a text like "<= 2.5"')
     if isinstance(value, int | float):
@@ -216,7 +217,7 @@ def _flat_limits(value: Any) -> Any:
             flat |= {f"{key}.{inner}": limit for inner, limit in _flat_limits(item).items()}
         else:
             try:
-                flat[key] = item if isinstance(item, Limit) else _limit(item)
+                flat[key] = item if isinstance(item, Limit) else limit_of(item)
             except ValueError as error:
                 raise ValueError(f"{key} = {item!r}: {error}") from None
     return flat

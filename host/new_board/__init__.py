@@ -1,0 +1,1 @@
+"""`navtwin new board`: a working board outside this repository, from templates."""

@@ -1,0 +1,1 @@
+"""What the fixture `navtwin_run` does; pytest itself loads `navtwin_pytest` only."""
