@@ -140,6 +140,7 @@ class Recorder:
         """
         self._pass_on_slow_rows()
         score = self._scorer.result(duration_s)
+        self._collector.data.nees = self._scorer.nees_series
         gnss = {**score.gnss, **(gnss_extra or {})}
         figures = flat_figures(score.metrics, gnss, cpu, buses, faults)
         result = RunResult(

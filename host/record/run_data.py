@@ -125,6 +125,8 @@ class RunData:
     gnss: DecimatedSeries
     innovations: DecimatedSeries
     biases: DecimatedSeries
+    nees: DecimatedSeries = field(default_factory=lambda: DecimatedSeries(("t_s", "nees"), 2))
+    """NEES of the instants that count."""
     outages: tuple[tuple[float, float], ...] = ()
     """(start, duration) in s."""
     traces: list[TaskTrace] = field(default_factory=list)

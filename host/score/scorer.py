@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from host.record.result import Outage
 from host.record.run_data import NAVIGATING, GnssBatch, MotionBatch, SolutionBatch
+from host.record.series import DecimatedSeries
 from host.score.consistency import departure, nees
 from host.score.error_group import ErrorGroup
 from host.score.errors import COLUMNS, position_error_ned, quaternions, solution_errors
@@ -34,6 +35,8 @@ from host.score.window import RecentRows
 Floats = NDArray[np.float64]
 
 HOLD_BACK_S = 3.0
+NEES_KEPT = 1536
+"""Instants of which the NEES is kept one by one, evenly thinned."""
 
 _TIME, _FIX, _ERRORS, _VELOCITY, _ATTITUDE = 0, 1, slice(2, 8), slice(8, 11), slice(11, 15)
 """Columns of a waiting receiver epoch: its error, the true velocity there and the true q_nb."""
@@ -75,6 +78,7 @@ class Scorer:
         self._continuous = ErrorGroup("continuous_")
         self._receiver = ErrorGroup(with_attitude=False)
         self._nees = Statistic()
+        self.nees_series = DecimatedSeries(("t_s", "nees"), NEES_KEPT)
         self._outages = OutageWatch(outages)
         self._fit = RecordingFit() if fit_recording else None
         self._epochs = self._missing = self._out_of_order = self._receiver_epochs = self._fixes = 0
@@ -176,7 +180,9 @@ class Scorer:
         errors[:, 6:9] *= self._attitude_sign
         counts &= np.isfinite(errors).all(axis=1)
         covariances = np.array([item[1] for item in ripe])
-        self._nees.add(nees(errors[counts], covariances[counts]))
+        found = nees(errors[counts], covariances[counts])
+        self._nees.add(found)
+        self.nees_series.add(np.column_stack((t[counts], found)))
 
     # -- what comes out ----------------------------------------------------------------------------
 
