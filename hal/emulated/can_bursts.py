@@ -7,11 +7,7 @@ CRC and its stuff bits, is computed for all kept sets at once.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from hal.can import CanFrame
 from hal.emulated.can_frame import INTERFRAME_BITS, LONGEST_FRAME_BITS, frame_lengths
@@ -42,43 +38,18 @@ class CanBursts:
         self._kept.append((begin, node, frames))
         self.over_by = begin + len(frames) * LONGEST_NS // self._bitrate
 
-    def work_out(self) -> WorkedOut:
-        """All kept sets, frame by frame; nothing is kept any more."""
+    def work_out(self) -> list[tuple[int, int, CanNode, CanFrame, int]]:
+        """(begin of the set in ns, bits of it before the frame, node, frame, length in bits) of every frame
+        that was kept; nothing is kept any more."""
         kept, self._kept = self._kept, []
-        frames = [frame for _begin, _node, frames in kept for frame in frames]
-        counts = [len(frames) for _begin, _node, frames in kept]
-        bits = np.array(frame_lengths(frames)) + INTERFRAME_BITS
-        after = np.cumsum(bits)
-        before_set = np.repeat(after[np.cumsum(counts) - 1] - np.add.reduceat(bits, _firsts(counts)), counts)
-        begins = np.repeat([begin for begin, _node, _frames in kept], counts)
-        until = after - before_set
-        return WorkedOut(
-            [node for _begin, node, frames in kept for _frame in frames],
-            frames,
-            (begins + (until - bits) * SECOND // self._bitrate).tolist(),
-            (begins + (until - INTERFRAME_BITS) * SECOND // self._bitrate).tolist(),
-            bits.tolist(),
-            kept[-1][0],
-            int(until[-1]),
-        )
-
-
-def _firsts(counts: list[int]) -> NDArray[np.int64]:
-    """Place of the first frame of each set."""
-    return np.concatenate(([0], np.cumsum(counts[:-1], dtype=np.int64)))
-
-
-class WorkedOut(NamedTuple):
-    """Frames one by one, with begin and end in ns and bits up to the next start; where the last set began
-    (ns) and how many bits it took."""
-
-    nodes: list[CanNode]
-    frames: list[CanFrame]
-    begins: list[int]
-    ends: list[int]
-    bits: list[int]
-    last_begin: int
-    last_bits: int
+        lengths = iter(frame_lengths([frame for _begin, _node, frames in kept for frame in frames]))
+        found = []
+        for begin, node, frames in kept:
+            bits = 0
+            for frame, length in zip(frames, lengths, strict=False):
+                found.append((begin, bits, node, frame, length))
+                bits += length + INTERFRAME_BITS
+        return found
 
 
 class LateCanListener:
@@ -92,9 +63,9 @@ class LateCanListener:
         """From the bus: a frame that got through."""
         self._heard.append((frame, end_ns))
 
-    def hear_all(self, frames: Iterable[CanFrame], ends_ns: Iterable[int]) -> None:
+    def hear_all(self, heard: list[tuple[CanFrame, int]]) -> None:
         """Several of them."""
-        self._heard.extend(zip(frames, ends_ns, strict=True))
+        self._heard += heard
 
     def take(self) -> list[tuple[CanFrame, int]]:
         """(frame, end in ns) of every frame that has ended by now, each given once."""

@@ -13,7 +13,6 @@ has it for a node alone on its bus. A disturbed bus makes every attempt fail aft
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from collections import deque
 from collections.abc import Callable
 from typing import TYPE_CHECKING, NamedTuple
@@ -220,21 +219,27 @@ class EmulatedCanBus:
 
     def _unfold_bursts(self) -> None:
         """Turn the kept sets into planned frames; those that have ended, all but the last, are settled."""
-        now = self.time.now
-        nodes, frames, begins, ends, bits, self._run_start, self._run_bits = self._bursts.work_out()
-        ended = bisect_right(ends, now)
-        if not self._listeners and len(self._nodes) == 1:
-            self._busy_bits += sum(bits[:ended])
-            self._frames += ended
-            for late in self._late_listeners:
-                late.hear_all(frames[:ended], ends[:ended])
-        else:
-            for node, frame, end, used in zip(nodes[:ended], frames, ends, bits, strict=False):
-                self._get_through(node, frame, end, used)
-        for n in range(ended, len(frames)):
-            length = bits[n] - INTERFRAME_BITS
-            self._plan.append(Transmission(begins[n], ends[n], nodes[n], frames[n], length, bits[n], True))
-            nodes[n].planned += 1
+        now, rate = self.time.now, self.bitrate
+        alone = not self._listeners and len(self._nodes) == 1
+        heard = []
+        at = length = 0
+        for begin, at, node, frame, length in self._bursts.work_out():
+            self._run_start = begin
+            end = begin + (at + length) * SECOND // rate
+            bits = length + INTERFRAME_BITS
+            if end > now:
+                start = begin + at * SECOND // rate
+                self._plan.append(Transmission(start, end, node, frame, length, bits, True))
+                node.planned += 1
+            elif alone:
+                self._busy_bits += bits
+                heard.append((frame, end))
+            else:
+                self._get_through(node, frame, end, bits)
+        self._run_bits = at + length + INTERFRAME_BITS
+        self._frames += len(heard)
+        for late in self._late_listeners:
+            late.hear_all(heard)
 
     def _instant(self, bits: int) -> int:
         return self._run_start + bits * SECOND // self.bitrate

@@ -116,6 +116,8 @@ def check_frame(frame: CanFrame) -> None:
     _header(frame[0], frame[2], len(frame[1]))
 
 
+WORTH_ARRAYS = 200
+"""Frames from which on arrays are faster than a frame at a time."""
 SYMBOLS = 256 + 128
 """What the stuffing table knows for each state: bytes, and tails of seven bits."""
 
@@ -131,7 +133,7 @@ def _arrays() -> tuple[NDArray[np.int32], NDArray[np.int32]]:
 def frame_lengths(frames: Sequence[CanFrame]) -> list[int]:
     """`frame_bits` of every frame, at little cost when all have eight bytes. At least one frame."""
     identifiers, data_fields, extended = zip(*frames, strict=True)
-    if set(map(len, data_fields)) != {8}:
+    if len(frames) < WORTH_ARRAYS or set(map(len, data_fields)) != {8}:
         return [frame_bits(frame) for frame in frames]
     crc_of_byte, stuffing = _arrays()
     kinds, kind = np.unique(np.array(identifiers) << 1 | np.array(extended), return_inverse=True)

@@ -26,6 +26,8 @@ CAN_HEAD = struct.Struct("<qIB")
 FIRST_TIME = struct.Struct("<q")
 
 EXTENDED = 1 << 31
+WORTH_ARRAYS = 50
+"""CAN records from which on arrays are faster than a record at a time."""
 FULL_CAN_RECORD = np.dtype([("end_ns", "<i8"), ("identifier", "<u4"), ("n", "u1"), ("data", "S8")])
 """A CAN record of eight bytes."""
 
@@ -94,7 +96,7 @@ def can_records(heard: Sequence[tuple[CanFrame, int]]) -> bytes:
         return b""
     frames, ends = zip(*heard, strict=True)
     identifiers, data, extended = zip(*frames, strict=True)
-    if set(map(len, data)) == {8}:
+    if len(frames) >= WORTH_ARRAYS and set(map(len, data)) == {8}:
         records = np.empty(len(frames), FULL_CAN_RECORD)
         records["end_ns"] = ends
         records["identifier"] = identifiers

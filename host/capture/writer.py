@@ -1,9 +1,10 @@
 """Writes a run's capture as it goes: an MCAP file of raw wire traffic in blocks and decoded topics in JSON.
 
-What is recorded is handed to the file every `FLUSH_EVERY_NS` of virtual time as one LZ4 chunk, so a process
-that is killed loses less than a second of virtual time; everything before can be read with
-`host.capture.reader`. (Data are handed to the operating system, not forced onto the disk: a power cut of the
-PC may lose more.) The file is written as `<name>.part` and renamed when the run is over.
+What is recorded is handed to the file by `flush` as one LZ4 chunk. Whoever drives a capture calls it every
+`FLUSH_EVERY_NS` of virtual time, so a process that is killed loses less than a second of virtual time;
+everything before can be read with `host.capture.reader`. (Data are handed to the operating system, not
+forced onto the disk: a power cut of the PC may lose more.) The file is written as `<name>.part` and renamed
+when the run is over.
 
 The bytes depend on the run alone: times are virtual, nothing in the file comes from a clock or names a
 version of a library. The index at the end of an MCAP file is collected in memory: about 4 MB for each hour.
@@ -39,7 +40,7 @@ UNBOUNDED = 1 << 62
 Bytes = bytes | bytearray
 SpiRecorder = Callable[[int, int, Bytes, Bytes], None]
 UartRecorder = Callable[[int, bytes], None]
-CanRecorder = Callable[[bytes, int], None]
+CanRecorder = Callable[[bytes], None]
 
 
 class CaptureWriter:
@@ -56,7 +57,6 @@ class CaptureWriter:
         self._file.flush()
         self._schemas: dict[str, int] = {}
         self._blocks: list[tuple[int, bytearray]] = []
-        self._due_ns = FLUSH_EVERY_NS
         self._tables = {topic: self._table_channel(topic) for topic in TABLES}
         self._events = self._channel(EVENTS[0], "json", EVENTS[1], "jsonschema", event_schema())
 
@@ -65,15 +65,13 @@ class CaptureWriter:
     def spi_recorder(self, bus: str) -> SpiRecorder:
         """`record(start_ns, end_ns, mosi, miso)` for one SPI bus: the observer of a bus, made for speed."""
         block = self._block(spi_topic(bus), "navtwin.SpiBlock")
-        pack, flush_due, due_ns = SPI_HEAD.pack, self._flush_due, self._due_ns
+        pack = SPI_HEAD.pack
 
         def record(start_ns: int, end_ns: int, mosi: Bytes, miso: Bytes) -> None:
-            nonlocal block, due_ns
+            nonlocal block
             block += pack(start_ns, end_ns - start_ns, len(mosi))
             block += mosi
             block += miso
-            if end_ns >= due_ns:
-                due_ns = flush_due(end_ns)
 
         return record
 
@@ -85,20 +83,12 @@ class CaptureWriter:
             nonlocal block
             block += UART_HEAD.pack(end_ns, len(data))
             block += data
-            self._flush_due(end_ns)
 
         return record
 
     def can_recorder(self, bus: str) -> CanRecorder:
-        """`record(records, end_ns)`: frames of one CAN bus (`blocks.can_records`) and the end of the last."""
-        block = self._block(can_topic(bus), "navtwin.CanBlock")
-
-        def record(records: bytes, end_ns: int) -> None:
-            nonlocal block
-            block += records
-            self._flush_due(end_ns)
-
-        return record
+        """`record(records)`: frames of one CAN bus (`blocks.can_records`)."""
+        return self._block(can_topic(bus), "navtwin.CanBlock").extend
 
     # -- what was decoded --------------------------------------------------------------------------
 
@@ -108,16 +98,22 @@ class CaptureWriter:
         times_ns = np.rint(np.maximum(rows[:, 0], 0.0) * 1e9).astype(np.int64).tolist()
         for t_ns, message in zip(times_ns, text.texts(rows), strict=True):
             self._writer.add_message(channel, t_ns, message, t_ns)
-        if times_ns:
-            self._flush_due(times_ns[-1])
 
     def event(self, t_ns: int, source: str, text: str) -> None:
         """Something worth telling."""
         message = json.dumps({"t_s": t_ns / 1e9, "source": source, "text": text}, separators=(",", ":"))
         self._writer.add_message(self._events, t_ns, message.encode(), t_ns)
-        self._flush_due(t_ns)
 
     # -- the file ----------------------------------------------------------------------------------
+
+    def flush(self) -> None:
+        """Hand what was recorded to the file."""
+        for channel, block in self._blocks:
+            if block:
+                (t_ns,) = FIRST_TIME.unpack_from(block)
+                self._writer.add_message(channel, t_ns, bytes(block), t_ns)
+                block.clear()
+        self._writer.flush()
 
     def close(self, summary: Mapping[str, str] | None = None) -> None:
         """End the file with a metadata record `end` and give it its name."""
@@ -129,24 +125,9 @@ class CaptureWriter:
         """Write out what there is and leave it under its provisional name: the run did not reach its end."""
         if self._file.closed:
             return
-        self._flush()
+        self.flush()
         self._writer.finish()
         self._file.close()
-
-    def _flush_due(self, now_ns: int) -> int:
-        """Write out everything if it is time, and tell when it will be the next time."""
-        if now_ns >= self._due_ns:
-            self._flush()
-            self._due_ns = now_ns - now_ns % FLUSH_EVERY_NS + FLUSH_EVERY_NS
-        return self._due_ns
-
-    def _flush(self) -> None:
-        for channel, block in self._blocks:
-            if block:
-                (t_ns,) = FIRST_TIME.unpack_from(block)
-                self._writer.add_message(channel, t_ns, bytes(block), t_ns)
-                block.clear()
-        self._writer.flush()
 
     def _block(self, topic: str, schema: str) -> bytearray:
         channel = self._channel(topic, ENCODING, schema, ENCODING, SCHEMAS[schema].encode())

@@ -1,7 +1,7 @@
 """The host's ears: what came over the board's wires, handed to digest, capture and intake in batches.
 
 Nobody on this side is in a hurry, so the wires keep what was sent (`LateReceiver`) and no event is spent on
-it: asked every `CAPTURE_NS` of virtual time while there is a capture, else when a batch is scored.
+it: asked every `FLUSH_EVERY_NS` of virtual time while there is a capture, else when a batch is scored.
 """
 
 from __future__ import annotations
@@ -14,10 +14,7 @@ from hal.emulated.can_bus import EmulatedCanBus
 from hal.emulated.uart_receiver import LateReceiver
 from hal.emulated.uart_wire import UartWire
 from host.capture.blocks import can_records
-from host.capture.writer import CanRecorder, CaptureWriter, UartRecorder
-
-CAPTURE_NS = 160_000_000
-"""With the capture's own 0.8 s this keeps what a killed process loses below a second."""
+from host.capture.writer import FLUSH_EVERY_NS, CanRecorder, CaptureWriter, UartRecorder
 
 
 class WireEar:
@@ -48,8 +45,8 @@ class CanEar:
         the capture."""
         heard = self._listener.take()
         records = can_records(heard)
-        if records and self._record is not None:
-            self._record(records, heard[-1][1])
+        if self._record is not None:
+            self._record(records)
         return records
 
 
@@ -85,7 +82,7 @@ class Ears:
         if capture is not None:
             for name, device in board.spi_devices.items():
                 device.observer = capture.spi_recorder(f"{device.bus.name}.{name}")
-            board.time.at(CAPTURE_NS, self._again)
+            board.time.at(FLUSH_EVERY_NS, lambda: self._write_out(capture))
 
     def hand_on(self) -> None:
         """Give everything that has come by now to those who wait for it."""
@@ -109,9 +106,11 @@ class Ears:
             whole.update(program.memory())
         return whole.hexdigest()
 
-    def _again(self) -> int:
+    def _write_out(self, capture: CaptureWriter) -> int:
+        """Event: nothing stays in memory for as long as a second."""
         self.hand_on()
-        return self._board.time.now + CAPTURE_NS
+        capture.flush()
+        return self._board.time.now + FLUSH_EVERY_NS
 
     def _uart_recorder(self, port: str, direction: str) -> UartRecorder | None:
         return None if self._capture is None else self._capture.uart_recorder(port, direction)

@@ -43,10 +43,12 @@ def write(path, seconds=5, close=True):
         recorded.append(SpiTransaction("spi1", now, now + 24_381, bytes(buffer), bytes(reversed(buffer))))
         if tick % 10 == 0:
             end = now + 300_000
-            can(can_records([(CanFrame(0x18FF0000 + tick, b"\x01\x02\x03", True), end)]), end)
+            can(can_records([(CanFrame(0x18FF0000 + tick, b"\x01\x02\x03", True), end)]))
             recorded.append(CanMessage("can1", now + 300_000, 0x18FF0000 + tick, True, b"\x01\x02\x03"))
             capture.rows("/solution", np.full((1, len(SOLUTION.columns)), now / 1e9))
             recorded.append(("/solution", now))
+        if tick % 80 == 79:
+            capture.flush()
         if tick % 100 == 50:
             uart(now + 1, b"$GNRMC,*\r\n")
             recorded.append(UartChunk("gnss", "rx", now + 1, b"$GNRMC,*\r\n"))
@@ -144,6 +146,8 @@ capture = CaptureWriter(Path(sys.argv[1]), {"board": "car_mems"})
 record = capture.spi_recorder("spi1")
 for tick in range(100_000):
     record(tick * 10_000_000, tick * 10_000_000 + 25_000, b"abcd", b"efgh")
+    if tick % 80 == 79:
+        capture.flush()
     if tick == 1234:
         print("here", flush=True)
         sys.stdin.read()
@@ -167,6 +171,7 @@ def test_decoded_rows_alone_are_written_out_as_well(tmp_path):
     capture = CaptureWriter(tmp_path / "run.mcap", {"board": "car_mems"})
     for second in range(20):
         capture.rows("/solution", np.full((1, len(SOLUTION.columns)), float(second)))
+        capture.flush()
     read = list(CaptureReader(tmp_path / "run.mcap.part"))
     assert [record.value["t_s"] for record in read] == list(range(20))[: len(read)]
     assert len(read) >= 19
@@ -236,6 +241,7 @@ FULL_FRAMES = st.builds(
     | st.lists(st.tuples(FULL_FRAMES, st.integers(0, 1 << 60)))
 )
 def test_can_records_come_back(heard):
+    heard *= 60
     records = unpack("navtwin.CanBlock", "/can/can1", can_records(heard))
     assert list(records) == [
         CanMessage("can1", end, frame.identifier, frame.extended, frame.data) for frame, end in heard
