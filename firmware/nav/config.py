@@ -42,26 +42,24 @@ class NavConfig:
     two_sample: bool = True
     """Instantaneous samples with coning and sculling; False: means over the period, one-sample algorithm."""
     covariance_period: float = 0.2
-    angle_random_walk: float = 1.0e-4
+    angle_random_walk: float = 8.0e-5
     """rad/√s."""
     velocity_random_walk: float = 250e-6 / math.sqrt(2.0) * G
     """m/s/√s."""
     accel_bias_sigma: float = 0.045 * G
     gyro_bias_walk: float = 3.0e-6
-    """rad/s/√s; instability and warming up."""
+    """rad/s/√s."""
     accel_bias_walk: float = 2.0e-4
     """m/s²/√s."""
-    gyro_instability_sigma: float = 4.5e-5
-    """rad/s (9 °/h) …"""
+    gyro_instability_sigma: float = 5.0e-5
+    """rad/s (10 °/h) …"""
     gyro_instability_time: float = 25.0
     """… and its correlation time."""
-    gyro_drift_sigma: float = 4.0e-6
-    """rad/s²: 0.05 °/s/K while the sensor warms by 5 K in 15 minutes …"""
-    gyro_drift_time: float = 900.0
-    """… its decay …"""
-    gyro_drift_walk: float = 6.0e-8
-    """… and what else changes it, rad/s²/√s."""
-    position_walk: float = 0.1
+    gyro_bias_per_kelvin: float = 0.05 * DEG
+    """1 σ of the coefficient, rad/s/K; the chip tells its temperature."""
+    temperature_step: float = 0.5
+    """Two temperatures in a row that differ by more, K, are not believed."""
+    position_walk: float = 0.03
     """m/√s: what the velocity solution leaves out, so that position keeps following GNSS."""
     misalignment_sigma: float = 0.25 * DEG
     scale_sigma: float = 0.006
@@ -111,8 +109,9 @@ class NavConfig:
     # --- the vehicle
     constraint: bool = True
     """Non-holonomic: no velocity sideways nor through the floor."""
-    constraint_period: float = 0.2
-    constraint_noise: float = 0.1
+    constraint_period: float = 0.5
+    constraint_noise: float = 0.2
+    """Slip, sway and the road's camber last for a second or two: what is white at this rate."""
     constraint_turn_noise: float = 0.05
     """m/s per m/s² of centripetal acceleration: the slip of the tyres."""
     constraint_min_speed: float = 0.5
@@ -187,6 +186,7 @@ def configure(f: NDArray[Any], i: NDArray[np.int64], config: NavConfig) -> None:
     f[at.QUATERNION] = 1.0
     i[at.EVENT_TIME : at.EVENT_TIME + at.EVENT_KINDS] = at.NEVER
     i[_BEGIN_AT_NEVER] = at.NEVER
+    f[[at.TEMPERATURE, at.BIAS_TEMPERATURE, at.TOLD_TEMPERATURE]] = at.NO_TEMPERATURE
     for place, value in _floats(config).items():
         f[place : place + np.size(value)] = value
     for place, value in _integers(config).items():
@@ -275,9 +275,8 @@ def _floats(c: NavConfig) -> dict[int, Any]:
         cfg.HEADING_ERROR_LIMIT: c.heading_error_limit,
         cfg.UNCERTAIN_SQUARE: c.uncertain_position**2,
         cfg.POSITION_WALK_VARIANCE: c.position_walk**2,
-        cfg.GYRO_DRIFT_VARIANCE: c.gyro_drift_sigma**2,
-        cfg.PER_GYRO_DRIFT_TIME: 1.0 / c.gyro_drift_time,
-        cfg.GYRO_DRIFT_WALK_VARIANCE: c.gyro_drift_walk**2,
+        cfg.GYRO_PER_KELVIN_VARIANCE: c.gyro_bias_per_kelvin**2,
+        cfg.TEMPERATURE_STEP: c.temperature_step,
         cfg.GYRO_INSTABILITY_VARIANCE: c.gyro_instability_sigma**2,
         cfg.PER_INSTABILITY_TIME: 1.0 / c.gyro_instability_time,
     }
@@ -313,7 +312,7 @@ def _ns(seconds: float) -> int:
 
 _MAY_BE_ZERO = {
     "latency_sigma", "latency_nominal", "initial_yaw", "gyro_bias_walk", "accel_bias_walk",
-    "manoeuvre_noise", "position_walk", "gyro_drift_sigma", "gyro_instability_sigma", "gyro_drift_walk",
+    "manoeuvre_noise", "position_walk", "gyro_bias_per_kelvin", "gyro_instability_sigma",
     "misalignment_sigma", "scale_sigma", "course_noise", "velocity_lag", "time_tag_noise",
     "constraint_turn_noise",
     "rest_gyro_sigma", "epochs_after_time_jump",

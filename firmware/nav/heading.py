@@ -120,6 +120,7 @@ def _begin_after_rest(f, i, e, time, turn, yaw_variance):
     f[at.GYRO_BIAS] = f[at.REST_RATE] - ex
     f[at.GYRO_BIAS + 1] = f[at.REST_RATE + 1] - ey
     f[at.GYRO_BIAS + 2] = f[at.REST_RATE + 2] - ez
+    f[at.BIAS_TEMPERATURE] = f[at.REST_TEMPERATURE]
     since = seconds_between(i[at.LEVELLED_AT], i[at.TIME])
     gyro = f[cfg.REST_GYRO_VARIANCE] + f[cfg.ANGLE_WALK_VARIANCE] / f[at.REST_TIME]
     drift = gyro * since * since + f[cfg.ANGLE_WALK_VARIANCE] * since

@@ -38,7 +38,7 @@ def begin_covariance(f, e, age, tilt_variance, yaw_variance, gyro_variance):
         correlated = f[cfg.POSITION_ERROR_VARIANCE_V] if k == 2 else f[cfg.POSITION_ERROR_VARIANCE_H]
         f[at.D + at.X_GNSS_ERROR + k] = correlated
         f[at.D + at.X_GYRO_INSTABILITY + k] = f[cfg.GYRO_INSTABILITY_VARIANCE]
-        f[at.D + at.X_GYRO_DRIFT + k] = f[cfg.GYRO_DRIFT_VARIANCE]
+        f[at.D + at.X_GYRO_PER_KELVIN + k] = f[cfg.GYRO_PER_KELVIN_VARIANCE]
         response = f[cfg.SCALE_VARIANCE] if k == 2 else f[cfg.MISALIGNMENT_VARIANCE]
         f[at.D + at.X_YAW_RESPONSE + k] = response
         response = f[cfg.SCALE_VARIANCE] if k == 0 else f[cfg.MISALIGNMENT_VARIANCE]

@@ -12,7 +12,7 @@ Error state (36), each the truth minus the estimate, in this order:
     6  φ       attitude, rad, NED          20  GNSS latency beyond what the time tag allows for, s
     9  δb_g    gyro bias, rad/s, body      21  response of gyros x, y, z to the yaw rate
     12 δb_a    accelerometer bias, m/s²    24  response of accelerometers x, y, z to f_x, 27 to f_y
-                                           30  drift of the gyro bias (warming up), rad/s²
+                                           30  gyro bias per kelvin of the chip, rad/s/K
                                            33  gyro instability, rad/s (first-order Gauss-Markov)
 
 A response is what a sensor shows per unit of the quantity beyond what it should: a scale factor error on its
@@ -32,7 +32,7 @@ X_MOUNTING = 18
 X_LATENCY = 20
 X_YAW_RESPONSE = 21
 X_FORCE_RESPONSE = 24
-X_GYRO_DRIFT = 30
+X_GYRO_PER_KELVIN = 30
 X_GYRO_INSTABILITY = 33
 
 # --- f: estimate ---
@@ -49,7 +49,7 @@ MOUNTING = 18
 LATENCY = 20
 YAW_RESPONSE = 21
 FORCE_RESPONSE = 24
-GYRO_DRIFT = 30
+GYRO_PER_KELVIN = 30
 GYRO_INSTABILITY = 33
 PARAMETERS = 27
 
@@ -148,12 +148,13 @@ WINDOW_MEAN = WINDOW_TIME + 1
 WINDOW_VELOCITY = WINDOW_MEAN + 6
 """Velocity (n) when the window began."""
 LEVEL_SUM = WINDOW_VELOCITY + 3
-"""Sum of the means of still windows."""
-REST_RATE = LEVEL_SUM + 6
+"""Sum of the means of still windows, and of the temperature."""
+REST_RATE = LEVEL_SUM + 7
 """Mean rate at rest, with Earth rate in it, and the attitude and time span it belongs to."""
 REST_QUATERNION = REST_RATE + 3
 REST_TIME = REST_QUATERNION + 4
-START_INTEGRALS = REST_TIME + 1
+REST_TEMPERATURE = REST_TIME + 1
+START_INTEGRALS = REST_TEMPERATURE + 1
 """At the start of an alignment in motion: ∫f dt 3, ∫ω dt 3, speed, course, sink rate."""
 SIDE_SPEED = START_INTEGRALS + 9
 """Sums over the interval between two constraints of the vehicle: v_b 3 and their number."""
@@ -168,7 +169,11 @@ AT_REST = GOOD_HEIGHT + 1
 """1 from a window at rest to one that is not."""
 
 # --- f: configuration (see NavConfig) ---
-CONFIG = AT_REST + 1
+TEMPERATURE = AT_REST + 1
+"""Of the chip, °C: the one that counts, the one the gyro bias was brought to, the last one told."""
+BIAS_TEMPERATURE = TEMPERATURE + 1
+TOLD_TEMPERATURE = TEMPERATURE + 2
+CONFIG = TEMPERATURE + 3
 F_SIZE = CONFIG + 92
 
 # --- i ---
@@ -240,3 +245,4 @@ SWITCHES = LOG_TIME + LOG_SIZE
 """Configuration in integers."""
 I_SIZE = SWITCHES + 24
 NEVER = -(2**62)
+NO_TEMPERATURE = -1.0e3

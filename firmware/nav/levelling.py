@@ -30,6 +30,7 @@ ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
 THREE = np.int32(3)
 SIX = np.int32(6)
+SEVEN = np.int32(7)
 LARGEST_INTEGRAL = np.float32(2.0e3)
 LONGEST_MEAN = np.int64(60)
 """Windows; older ones fade."""
@@ -79,17 +80,18 @@ def level_by_window(f, i, quiet):
         return
     count = i[at.LEVEL_WINDOWS]
     if count == 0:
-        for k in range(SIX):
+        for k in range(SEVEN):
             f[at.LEVEL_SUM + k] = ZERO
     if count == LONGEST_MEAN:
         count -= 1
         keep = ONE - ONE / np.float32(np.int32(LONGEST_MEAN))
-        for k in range(SIX):
+        for k in range(SEVEN):
             f[at.LEVEL_SUM + k] *= keep
     count += 1
     i[at.LEVEL_WINDOWS] = count
     for k in range(SIX):
         f[at.LEVEL_SUM + k] += f[at.WINDOW_MEAN + k]
+    f[at.LEVEL_SUM + 6] += f[at.TEMPERATURE]
     if count >= i[cfg.LEVEL_WINDOWS]:
         _level(f, i, np.float32(np.int32(count)))
 
@@ -124,6 +126,7 @@ def _level(f, i, count):
     for k in range(np.int32(4)):
         f[at.REST_QUATERNION + k] = f[at.QUATERNION + k]
     f[at.REST_TIME] = count * f[cfg.WINDOW]
+    f[at.REST_TEMPERATURE] = f[at.LEVEL_SUM + 6] / count
     stand_on_plane(f, np.float32(math.sqrt(x * x + side * side)))
     i[at.LEVELLED_AT] = i[at.TIME]
     i[at.MODE] = WAITING_FOR_HEADING

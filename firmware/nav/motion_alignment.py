@@ -116,6 +116,7 @@ def _finish(f, i, e, time, speed, course, turn):
     begin_covariance(f, e, age, f[cfg.MOTION_TILT_VARIANCE], yaw_variance, gyro)
     correlate_tilt(f, w, x, y, z)
     correlate_yaw(f)
+    f[at.BIAS_TEMPERATURE] = f[at.TEMPERATURE]
     enter_navigation(f, i)
 
 

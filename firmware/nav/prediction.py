@@ -20,10 +20,10 @@ are upper triangular, see covariance), Coriolis and transport terms in Î´v and Î
 error of the transport rate. Groves, Principles of GNSS, Inertial, and Multisensor
 Integrated Navigation Systems, 2nd ed., section 14.2.4.
 
-Parameters: biases walk, the gyro bias also drifts while the sensor warms up, at a rate that decays; the
-correlated GNSS error is a first-order Gauss-Markov process; the responses are constant. This is done once
-a second: the drift adds its
-rows of U to those of the bias (U stays triangular), the noise is a sum of rank-one terms.
+Parameters: biases walk, the gyro bias also follows the temperature of the chip (temperature); the correlated
+GNSS error and the instability of the gyros are first-order Gauss-Markov processes; responses and temperature
+coefficients are constant. This is done once a second: the coefficients add their rows of U to those of the
+bias (U stays triangular), the noise is a sum of rank-one terms.
 """
 
 import numpy as np
@@ -206,18 +206,18 @@ def _add_noise(f, t):
 @kernel
 def _walk_parameters(f, t):
     """What the parameters do over t, and their process noise."""
+    warmer = f[at.TEMPERATURE] - f[at.BIAS_TEMPERATURE]
+    f[at.BIAS_TEMPERATURE] = f[at.TEMPERATURE]
     for k in range(THREE):
-        f[at.GYRO_BIAS + k] += t * f[at.GYRO_DRIFT + k]
-        for j in range(np.int32(at.X_GYRO_DRIFT), N):
-            f[at.U + j * at.STATES + at.X_GYRO_BIAS + k] += t * _entry(f, j, at.X_GYRO_DRIFT + k)
+        f[at.GYRO_BIAS + k] += warmer * f[at.GYRO_PER_KELVIN + k]
+        for j in range(np.int32(at.X_GYRO_PER_KELVIN), N):
+            f[at.U + j * at.STATES + at.X_GYRO_BIAS + k] += warmer * _entry(f, j, at.X_GYRO_PER_KELVIN + k)
     for k in range(THREE):
         variance = f[cfg.POSITION_ERROR_VARIANCE_H] if k < 2 else f[cfg.POSITION_ERROR_VARIANCE_V]
         factor = _decay(f, at.X_GNSS_ERROR + k, t * f[cfg.PER_POSITION_ERROR_TIME])
         add_variance(f, at.X_GNSS_ERROR + k, (ONE - factor * factor) * variance)
         factor = _decay(f, at.X_GYRO_INSTABILITY + k, t * f[cfg.PER_INSTABILITY_TIME])
         add_variance(f, at.X_GYRO_INSTABILITY + k, (ONE - factor * factor) * f[cfg.GYRO_INSTABILITY_VARIANCE])
-        _decay(f, at.X_GYRO_DRIFT + k, t * f[cfg.PER_GYRO_DRIFT_TIME])
-        add_variance(f, at.X_GYRO_DRIFT + k, t * f[cfg.GYRO_DRIFT_WALK_VARIANCE])
         add_variance(f, at.X_GYRO_BIAS + k, t * f[cfg.GYRO_BIAS_WALK_VARIANCE])
         add_variance(f, at.X_ACCEL_BIAS + k, t * f[cfg.ACCEL_BIAS_WALK_VARIANCE])
 

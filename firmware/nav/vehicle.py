@@ -1,4 +1,4 @@
-"""What wheels do not do: the non-holonomic constraint of a vehicle, a few times a second.
+"""What wheels do not do: the non-holonomic constraint of a vehicle, twice a second.
 
 At a point that does not slip (rear axle), the velocity in the vehicle's axes v has no side and no vertical
 part. C_v_b is turned from body axes by the mounting yaw α and then pitch β, both states of the filter:

@@ -34,6 +34,8 @@ class Drive:
     times_ns: NDArray[np.int64]
     samples: Array
     """(n, 6) rate, specific force."""
+    temperature: Array
+    """(n,) of the chip, °C, in its steps."""
     epochs: list[tuple[int, NDArray[np.int64]]]
     """(arrival in ns, record) in rising order."""
     truth: TruthBatch
@@ -66,14 +68,16 @@ def make_drive(
     rate = np.round(raw[:, 3:6] / GYRO_STEP) * GYRO_STEP
     force = np.round(raw[:, :3] / ACCEL_STEP) * ACCEL_STEP
     samples = np.hstack((rate, force))
+    temperature = np.round(raw[:, 6] * 512.0) / 512.0
     if thesis:
         whole = len(times) // 10 * 10
         samples = samples[:whole].reshape(-1, 10, 6).mean(axis=1)
         times = times[:whole].reshape(-1, 10)[:, -1] + 5_000_000
+        temperature = temperature[9:whole:10]
     epochs, fixes = _epochs(world, end, gnss_rate, time_pulse, velocity, burst_s)
     truth_ns = np.arange(1, end // 100_000_000 - 1, dtype=np.int64) * 100_000_000
     outages = [(o.start_ns / NS, o.end_ns / NS) for o in world.outages]
-    return Drive(times, samples, epochs, world.truth(truth_ns), outages, fixes)
+    return Drive(times, samples, temperature, epochs, world.truth(truth_ns), outages, fixes)
 
 
 def _epochs(
@@ -141,6 +145,7 @@ def part(drive: Drive, start_s: float, end_s: float) -> Drive:
     return Drive(
         t[chosen].copy(),
         drive.samples[chosen].copy(),
+        drive.temperature[chosen].copy(),
         [(arrival, record.copy()) for arrival, record in drive.epochs if start <= arrival < end],
         replace(truth, **columns),
         [],
@@ -153,6 +158,7 @@ def without_samples(drive: Drive, start_s: float, end_s: float) -> Drive:
     changed = copy.copy(drive)
     keep = (drive.times_ns <= start_s * NS) | (drive.times_ns > end_s * NS)
     changed.times_ns, changed.samples = drive.times_ns[keep], drive.samples[keep]
+    changed.temperature = drive.temperature[keep]
     return changed
 
 

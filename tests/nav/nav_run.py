@@ -11,7 +11,7 @@ import numpy as np
 from nav_drive import NS, Array, Drive, within_pi
 from numpy.typing import NDArray
 
-from firmware.nav import gnss, imu, solution
+from firmware.nav import gnss, imu, solution, temperature
 from firmware.nav.config import NavConfig, new_state
 from firmware.nav.flags import FLAG_NAMES
 
@@ -55,10 +55,12 @@ class Result:
 
 
 def run(
-    drive: Drive, config: NavConfig, doors: tuple[ModuleType, ModuleType, ModuleType] = (imu, gnss, solution)
+    drive: Drive,
+    config: NavConfig,
+    doors: tuple[ModuleType, ModuleType, ModuleType, ModuleType] = (imu, gnss, solution, temperature),
 ) -> Result:
     """Feed samples and epochs in the order of their arrival; `doors` of another precision if given."""
-    step, fix, out = doors[0].imu_step, doors[1].gnss_step, doors[2]
+    step, fix, out, warm = doors[0].imu_step, doors[1].gnss_step, doors[2], doors[3].temperature_step
     wide = np.float32 if doors[0] is imu else np.float64
     f, i = new_state(config, wide)
     floats, integers = np.zeros(out.SOLUTION_FLOATS, wide), np.zeros(out.SOLUTION_INTEGERS, np.int64)
@@ -69,10 +71,15 @@ def run(
     pending = iter([*drive.epochs, (1 << 62, None)])
     arrival, record = next(pending)
     previous = int(drive.times_ns[0]) - 10_000_000
-    for time, sample in zip(drive.times_ns.tolist(), drive.samples.tolist(), strict=True):
+    read_at = previous
+    samples = zip(drive.times_ns.tolist(), drive.samples.tolist(), drive.temperature.tolist(), strict=True)
+    for time, sample, celsius in samples:
         while arrival <= time:
             fix(f, i, record)
             arrival, record = next(pending)
+        if time >= read_at:
+            warm(f, i, celsius)
+            read_at = time + NS
         step(f, i, time, (time - previous) * 1e-9, *sample)
         previous = time
         while len(found) < len(due_ns) and time >= due_ns[len(found)]:

@@ -102,8 +102,15 @@ class Background:
                 found = self._acquisition.chip.check()  # a bit flipped on the wire is no reason to restart
             if found is not Outcome.OK:
                 self._restart_imu(found.value)
+            else:
+                self._tell_temperature()
         self._output.send_slow()
         self._announcer.look_at_line()
+
+    def _tell_temperature(self) -> None:
+        celsius = self._acquisition.chip.temperature()
+        if celsius is not None:
+            self._navigation.take_temperature(celsius)
 
     def _restart_imu(self, why: str) -> None:
         self._start_after = self._ticks + START_PAUSE_TICKS

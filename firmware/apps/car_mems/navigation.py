@@ -36,6 +36,7 @@ class NavigationKernels:
         self.data_ready_step = entry_point(steps.data_ready_step)
         self.timer_sample = entry_point(steps.timer_sample)
         self.gnss_step = entry_point(load("firmware.nav.gnss", precision).gnss_step)
+        self.temperature_step = entry_point(load("firmware.nav.temperature", precision).temperature_step)
         self.solution = entry_point(solution.solution)
         self.covariance = entry_point(solution.covariance)
         self.innovation = entry_point(solution.innovation)
@@ -62,6 +63,10 @@ class Navigation:
     def fill_solution(self) -> None:
         """Bring `floats` and `integers` up to the present state."""
         self._solution(self.f, self.i, self.floats, self.integers)
+
+    def take_temperature(self, celsius: float) -> None:
+        """The inertial sensor has this temperature."""
+        self.kernels.temperature_step(self.f, self.i, celsius)
 
     def covariance(self) -> list[float]:
         """Upper triangle of the covariance of [δr, δv, φ], 45 values."""
