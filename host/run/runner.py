@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -11,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from boards.assembly import AssembledBoard, assemble
-from boards.description import board_folder
+from boards.places import board_folder
 from boards.validation import DescriptionError
 from firmware.numerics.subnormals import check_subnormals
 from hal.board_io import NotNamedError
@@ -21,6 +20,7 @@ from host.record.manifest import build_manifest
 from host.record.recorder import Recorder
 from host.record.result import Progress, RunRequest, RunResult
 from host.run.faults import Placed, name_of, place_faults
+from host.run.garbage import collect_young, undisturbed
 from host.run.intake import HOST_PORT, LinkIntake
 from host.run.listening import Ears
 from host.run.setup import Setup, resolve
@@ -31,12 +31,11 @@ from host.score.expectations import check_names
 from host.score.rules import ScoringRules
 from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.load import source_text
+from host.sim.scenario.schema import Scenario
 from host.sim.world import World
 
 CHUNK_NS = 40 * SECOND
 """Virtual time between two looks at what has come over the wires."""
-YOUNG = 1
-"""Generations that the collector of cycles looks at between two such looks."""
 TRACE_AT_NS = 100 * SECOND
 RECORDING_RULES = ScoringRules(after_alignment_s=10.0)
 """A recording is a minute long: a minute of grace would leave nothing to score."""
@@ -44,13 +43,7 @@ RECORDING_RULES = ScoringRules(after_alignment_s=10.0)
 
 def run(request: RunRequest) -> RunResult:
     """Run a board. Raises UserError for whatever the user can mend."""
-    check_subnormals()
-    with _user_errors():
-        setup = resolve(request)
-        check_names(setup.scenario.expect, _parts(setup), str(setup.scenario.path or setup.scenario.name))
-    _check_host_port(setup)
-    with _user_errors():
-        world = World(setup.scenario, request.seed, request.data_dir)
+    setup, world = _prepared(request)
     ready = _make_ready(request, setup, world)
     recording = setup.scenario.kind == "recording"
     manifest = build_manifest(
@@ -75,6 +68,24 @@ def run(request: RunRequest) -> RunResult:
             return _run(request, setup, world, ready, recorder)
         finally:
             ready.surroundings.close()
+
+
+def _prepared(request: RunRequest) -> tuple[Setup, World]:
+    check_subnormals()
+    with _user_errors():
+        setup = resolve(request)
+        check_names(setup.scenario.expect, _parts(setup), str(setup.scenario.path or setup.scenario.name))
+    _check_host_port(setup)
+    with _user_errors():
+        world = World(setup.scenario, request.seed, request.data_dir)
+    return setup, world
+
+
+def check(request: RunRequest) -> Scenario:
+    """Do all that comes before virtual time, kernels included, and nothing more. Raises UserError."""
+    setup, world = _prepared(request)
+    _make_ready(request, setup, world).surroundings.close()
+    return setup.scenario
 
 
 @dataclass(frozen=True)
@@ -132,25 +143,17 @@ def _work_off(
     """Let all virtual time pass; returns the wall-clock seconds it took, generation and scoring included."""
     for cpu in board.cpus.values():
         board.time.at(min(TRACE_AT_NS, duration_ns // 2), lambda cpu=cpu: cpu.start_trace())  # type: ignore[misc]
-    # What exists by now stays to the end, and the loop makes no cycles: the collector of cycles would look
-    # at the waiting frames again and again, for a tenth of the time.
-    gc.collect()
-    gc.freeze()
-    gc.disable()
-    begin = time.perf_counter()
-    try:
+    with undisturbed():
+        begin = time.perf_counter()
         now = 0
         while now < duration_ns:
             now = min(now + CHUNK_NS, duration_ns)
             board.machine.run_until(now)
             intake.flush(now)
-            gc.collect(YOUNG)
+            collect_young()
             if progress is not None:
                 progress(now / SECOND, duration_ns / SECOND)
         wall_s = time.perf_counter() - begin
-    finally:
-        gc.enable()
-        gc.unfreeze()
     board.machine.power_off()
     return wall_s
 
