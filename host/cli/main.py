@@ -111,6 +111,9 @@ def run_command(
     junit: Annotated[
         Path | None, typer.Option("--junit", metavar="FILE", help="Expectations as JUnit XML, for CI.")
     ] = None,
+    markdown: Annotated[
+        Path | None, typer.Option("--markdown", metavar="FILE", help="A summary for the page of a merge.")
+    ] = None,
     no_capture: Annotated[bool, typer.Option("--no-capture", help="Leave out run.mcap.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no tables.")] = False,
 ) -> None:
@@ -133,7 +136,7 @@ def run_command(
             out_dir=out,
             capture=not no_capture,
         )
-        return execute(request, Outputs(json=json, junit=junit, quiet=quiet))
+        return execute(request, Outputs(json=json, junit=junit, markdown=markdown, quiet=quiet))
 
     guarded(command)
 

@@ -12,8 +12,10 @@ from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.junit import junit_xml
 from host.cli.terminal import print_result, print_verdict, progress_bar, standard_error, standard_output
 from host.record.atomic import write_whole
+from host.record.command_line import command_line
 from host.record.errors import UserError
 from host.record.result import RunRequest, RunResult
+from host.report.markdown import run_summary
 
 STANDARD_OUTPUT = "-"
 
@@ -24,6 +26,7 @@ class Outputs:
 
     json: str | None
     junit: Path | None
+    markdown: Path | None
     quiet: bool
 
 
@@ -35,7 +38,7 @@ def execute(request: RunRequest, outputs: Outputs) -> int:
 
     with progress_bar(f"{request.board} {request.scenario or ''}".strip(), outputs.quiet) as progress:
         result = run(replace(request, progress=progress, notice=standard_error().print))
-    _write(result, outputs)
+    _write(result, outputs, command_line(request))
     console = standard_error() if outputs.json == STANDARD_OUTPUT else standard_output()
     if not outputs.quiet:
         print_result(console, result)
@@ -53,7 +56,7 @@ def with_folder(request: RunRequest) -> RunRequest:
     return replace(request, out_dir=Path("runs") / f"{board.name}-{scenario}-{profile}-{request.seed}")
 
 
-def _write(result: RunResult, outputs: Outputs) -> None:
+def _write(result: RunResult, outputs: Outputs, command: str) -> None:
     if outputs.json is not None:
         text = json.dumps(result.to_dict(), indent=1) + "\n"
         if outputs.json == STANDARD_OUTPUT:
@@ -61,14 +64,16 @@ def _write(result: RunResult, outputs: Outputs) -> None:
         else:
             write_whole(Path(outputs.json), text, "--json")
     if outputs.junit is not None:
-        write_whole(outputs.junit, junit_xml(result), "--junit")
+        write_whole(outputs.junit, junit_xml(result, command), "--junit")
+    if outputs.markdown is not None:
+        write_whole(outputs.markdown, run_summary(result, command), "--markdown")
 
 
 def _check_places(request: RunRequest, outputs: Outputs) -> None:
     """Tell before a long run that its figures could not be written after it."""
     if request.data_dir is not None and not request.data_dir.is_dir():
         raise UserError(f"--data {request.data_dir}: no such folder; for example --data ~/recordings")
-    files = [("--junit", outputs.junit)]
+    files = [("--junit", outputs.junit), ("--markdown", outputs.markdown)]
     if outputs.json is not None and outputs.json != STANDARD_OUTPUT:
         files.append(("--json", Path(outputs.json)))
     for option, path in files:

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from host.pytest_plugin.checked_run import CheckedRun
-from host.pytest_plugin.commands import command_line, toml
+from host.record.command_line import command_line, toml
 from host.record.errors import UserError, did_you_mean
 from host.record.result import RunRequest, RunResult
 

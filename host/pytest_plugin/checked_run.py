@@ -7,7 +7,7 @@ from typing import Any, Self
 
 import pytest
 
-from host.pytest_plugin.commands import command_line
+from host.record.command_line import command_line
 from host.record.errors import UserError
 from host.record.result import Expectation, RunRequest, RunResult
 from host.report.numbers import number
