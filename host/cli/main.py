@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from host.cli import baseline_command, campaign_command
 from host.cli.exit_codes import EXIT_INTERRUPTED, guarded
 from host.cli.new_command import app as new_app
 
@@ -139,6 +140,10 @@ def run_command(
         return execute(request, Outputs(json=json, junit=junit, markdown=markdown, quiet=quiet))
 
     guarded(command)
+
+
+app.command("campaign")(campaign_command.campaign_command)
+app.add_typer(baseline_command.app, name="baseline")
 
 
 def main() -> None:

@@ -44,6 +44,11 @@ def print_result(console: Console, result: RunResult) -> None:
             console.print(f"  … and {left} more in the report\n", style="dim")
 
 
+def print_section(console: Console, section: Section) -> None:
+    """One table."""
+    console.print(_table(section, section.rows))
+
+
 def print_verdict(console: Console, result: RunResult) -> None:
     """One line with the verdict and the speed, and where the report lies."""
     style = "bold green" if result.ok else "bold red"

@@ -142,8 +142,8 @@ def _errors(
         traces += _band(time, f"solution.{sigma}", place)
         if with_gnss:
             receiver = dots(column("gnss.t_s"), column(f"gnss.{error}"), "GNSS alone", GNSS, size=3)
-            traces.append(_on(receiver, place))
-        traces.append(_on(line(time, column(f"solution.{error}"), "fused", FUSED), place))
+            traces.append(on_row(receiver, place))
+        traces.append(on_row(line(time, column(f"solution.{error}"), "fused", FUSED), place))
     labels = [label for label, _, _ in rows]
     ranges = [_focus(data, f"{error}", sigma) for _, error, sigma in rows]
     return Chart(key, title, text, traces, _stacked(labels, data, ranges), in_time=True)
@@ -157,7 +157,7 @@ def _innovations(data: RunData) -> Chart:
     for place, name in enumerate(names):
         traces += _band(time, f"innovations.sigma_{name}", place)
         points = dots(time, column(f"innovations.{name}"), "innovation", FUSED, size=3)
-        traces.append(_on(points, place))
+        traces.append(on_row(points, place))
     text = "What each GNSS update told the filter beyond its prediction, with 3 σ of the prediction."
     return Chart("innovations", "Innovations", text, traces, _stacked(labels, data), in_time=True)
 
@@ -170,8 +170,8 @@ def _biases(data: RunData) -> Chart:
     for place, name in enumerate(names):
         traces += _band(time, f"biases.sigma_{name}", place, around=f"biases.{name}")
         true = line(time, column(f"biases.true_{name}"), "truth", TRUTH, line={"dash": "dot"})
-        traces.append(_on(true, place))
-        traces.append(_on(line(time, column(f"biases.{name}"), "estimate", FUSED), place))
+        traces.append(on_row(true, place))
+        traces.append(on_row(line(time, column(f"biases.{name}"), "estimate", FUSED), place))
     text = "Sensor biases as the filter estimates them, with 3 σ, and as the simulated sensor has them."
     return Chart("biases", "Sensor biases", text, traces, _stacked(labels, data), in_time=True)
 
@@ -186,10 +186,10 @@ def _band(time: Any, sigma: str, place: int, around: str | None = None) -> list[
         edges.append(line(time, y, "3 σ", BAND, width=0, hoverinfo="skip"))
     edges[0]["showlegend"] = False
     edges[1] |= {"fill": "tonexty", "fillcolor": BAND}
-    return [_on(edge, place) for edge in edges]
+    return [on_row(edge, place) for edge in edges]
 
 
-def _on(trace: Trace, place: int) -> Trace:
+def on_row(trace: Trace, place: int) -> Trace:
     """Put a trace on the `place`-th of the stacked axes; the first one stands in the legend for all."""
     group = {"legendgroup": trace["name"], "yaxis": f"y{place + 1}" if place else "y"}
     hidden = {"showlegend": False} if place or trace.get("showlegend") is False else {}
@@ -213,13 +213,22 @@ def _focus(data: RunData, error: str, sigma: str) -> list[float] | None:
 def _stacked(
     labels: Sequence[str], data: RunData, ranges: Sequence[list[float] | None] = ()
 ) -> dict[str, Any]:
-    """Layout of one time axis under several rows."""
+    return stacked(labels, _span(data), data.outages, ranges)
+
+
+def stacked(
+    labels: Sequence[str],
+    span: list[float],
+    outages: Sequence[tuple[float, float]] = (),
+    ranges: Sequence[list[float] | None] = (),
+) -> dict[str, Any]:
+    """Layout of one time axis under several rows; `outages` (start, duration) are shaded."""
     count = len(labels)
     gap = 0.035
     height = (1 - gap * (count - 1)) / count
     layout: dict[str, Any] = {
         "height": 130 + 135 * count,
-        "xaxis": axis("time, s", anchor=f"y{count}" if count > 1 else "y", zeroline=False, range=_span(data)),
+        "xaxis": axis("time, s", anchor=f"y{count}" if count > 1 else "y", zeroline=False, range=span),
     }
     for place, label in enumerate(labels):
         top = 1 - place * (height + gap)
@@ -240,7 +249,7 @@ def _stacked(
             "fillcolor": OUTAGE,
             "line": {"width": 0},
         }
-        for start, duration in data.outages
+        for start, duration in outages
     ]
     return layout
 

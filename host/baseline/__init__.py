@@ -1,0 +1,1 @@
+"""Figures that were good once, kept in a file beside the sources, and what has become worse since."""

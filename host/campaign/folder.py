@@ -1,0 +1,67 @@
+"""The folder of a campaign: campaign.json, the journal, runs.parquet, summary.json, report.html."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+from host.campaign.identity import CAMPAIGN_FORMAT, differences, fingerprint
+from host.campaign.journal import JOURNAL, Journal
+from host.record.atomic import write_whole
+from host.record.errors import UserError
+
+MANIFEST = "campaign.json"
+RESULT = "runs.parquet"
+SUMMARY = "summary.json"
+REPORT = "report.html"
+
+
+def open_folder(folder: Path, manifest: dict[str, Any]) -> Journal:
+    """Begin a campaign in a new folder, or go on with the same one. Raises UserError for any other folder."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        empty = not any(folder.iterdir())
+    except FileExistsError:
+        raise UserError(f"--out {folder}: is a file; name a folder, e.g. --out runs/nightly") from None
+    except OSError as error:
+        raise UserError(f"--out {folder}: cannot be written: {error.strerror}") from None
+    path = folder / MANIFEST
+    if not empty:
+        _must_be_the_same(folder, read_manifest(folder), manifest)
+    else:
+        write_whole(path, json.dumps(manifest, indent=1) + "\n", "--out")
+    return Journal(folder, fingerprint(manifest))
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """The manifest of a campaign's folder. Raises UserError when it is none, or of another version."""
+    try:
+        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError):
+        raise UserError(
+            f"{folder}: not the folder of a campaign (no {MANIFEST}); name another, e.g. --out runs/nightly"
+        ) from None
+    except OSError as error:
+        raise UserError(f"{folder / MANIFEST}: cannot be read: {error.strerror}") from None
+    except ValueError:
+        raise UserError(f"{folder / MANIFEST}: is not valid JSON") from None
+    found = manifest.get("format") if isinstance(manifest, dict) else None
+    if found != CAMPAIGN_FORMAT:
+        raise UserError(
+            f"{folder / MANIFEST}: is of format {found!r}, this navtwin writes {CAMPAIGN_FORMAT!r};"
+            " name a new folder, e.g. --out runs/second"
+        )
+    return dict(manifest)
+
+
+def _must_be_the_same(folder: Path, there: dict[str, Any], asked: dict[str, Any]) -> None:
+    changed = differences(there, asked)
+    if changed:
+        raise UserError(
+            f"--out {folder}: holds a campaign that differs in {', '.join(changed)}, so its runs cannot be"
+            " mixed with these; name a new folder, or remove that one"
+        )
+
+
+__all__ = ["JOURNAL", "MANIFEST", "REPORT", "RESULT", "SUMMARY", "open_folder", "read_manifest"]

@@ -1,0 +1,99 @@
+"""The tables of a campaign, as text: the terminal and the report show the same ones."""
+
+from __future__ import annotations
+
+from host.campaign.statistics import Spread
+from host.campaign.summary import SetupSummary, Summary
+from host.report.numbers import NONE, count, number
+from host.report.summary import MET, NOT_MET, Section
+
+MAIN = {
+    "position_horizontal_rms_m": "horizontal position RMS, m",
+    "position_vertical_rms_m": "vertical position RMS, m",
+    "velocity_rms_mps": "velocity RMS, m/s",
+    "roll_rms_deg": "roll RMS, °",
+    "pitch_rms_deg": "pitch RMS, °",
+    "yaw_rms_deg": "yaw RMS, °",
+    "nees_mean": "NEES mean (honest: 9)",
+    "outage_horizontal_drift_median_m": "outage drift, median of a run, m",
+    "outage_horizontal_drift_max_m": "outage drift, largest of a run, m",
+    "gnss.position_horizontal_rms_m": "GNSS alone: horizontal RMS, m",
+    "availability": "solution available, share",
+    "aligned_at_s": "aligned after, s",
+    "deadline_misses": "deadline misses",
+    "overruns": "overruns",
+}
+COLUMNS_OF_A_SWEEP = tuple(MAIN)[:7]
+FAILURES_SHOWN = 10
+
+
+def sections(summary: Summary) -> list[Section]:
+    """All tables that have anything to say."""
+    made = [_expectations(summary)]
+    if len(summary.setups) > 1:
+        made.append(_comparison(summary))
+    if len(summary.setups) <= 3:
+        made += [figure_table(one) for one in summary.setups]
+    made.append(_failures(summary))
+    return [section for section in made if section.rows]
+
+
+def verdict(summary: Summary) -> str:
+    """One line."""
+    failed = f", {len(summary.failures)} did not reach their end" if summary.failures else ""
+    if not any(one.expectations for one in summary.setups) and not failed:
+        return f"{summary.runs:,} runs, no expectations set"
+    return f"{summary.met:,} of {summary.runs:,} runs met all expectations{failed}"
+
+
+def figure_table(one: SetupSummary) -> Section:
+    """The spread of the main figures of one set-up."""
+    rows = tuple(
+        (label, *_spread_cells(one.figures[name])) for name, label in MAIN.items() if name in one.figures
+    )
+    columns = ("figure", "mean", "95 % interval of the mean", "median", "95 %", "least", "largest", "runs")
+    return Section(f"Over {one.runs} runs: {one.setup.label}", columns, rows)
+
+
+def interval(value: Spread) -> str:
+    """The confidence interval of the mean."""
+    return NONE if value.low is None else f"{number(value.low)} … {number(value.high)}"
+
+
+def _spread_cells(value: Spread) -> tuple[str, ...]:
+    rest = (value.median, value.p95, value.minimum, value.maximum)
+    return (number(value.mean), interval(value), *map(number, rest), count(value.count))
+
+
+def _expectations(summary: Summary) -> Section:
+    rows = tuple(
+        (one.setup.label, name, f"{met:,} of {one.runs:,}", MET if met == one.runs else NOT_MET)
+        for one in summary.setups
+        for name, met in one.expectations.items()
+    )
+    return Section("Expectations", ("set-up", "figure", "runs that met it", "verdict"), rows, words=2)
+
+
+def _comparison(summary: Summary) -> Section:
+    names = [name for name in COLUMNS_OF_A_SWEEP if any(name in one.figures for one in summary.setups)]
+    rows = tuple(
+        (one.setup.label, count(one.runs), *(_mean(one.figures.get(name)) for name in names))
+        for one in summary.setups
+    )
+    columns = ("set-up", "runs", *(MAIN[name] for name in names))
+    return Section("Set-ups side by side", columns, rows, note="mean, ± half of its 95 % interval")
+
+
+def _mean(value: Spread | None) -> str:
+    if value is None:
+        return NONE
+    if value.high is None:
+        return number(value.mean)
+    return f"{number(value.mean)} ± {number(value.high - value.mean)}"
+
+
+def _failures(summary: Summary) -> Section:
+    rows = summary.failures[:FAILURES_SHOWN]
+    left = len(summary.failures) - len(rows)
+    note = f"and {left} more in the result file" if left else ""
+    return Section("Runs that did not reach their end", ("run", "error"), rows, words=2, note=note)

@@ -1,0 +1,192 @@
+"""What `navtwin campaign` and `navtwin sweep` do: plan, run, write, print, judge."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from host.baseline.comparison import Comparison, compared
+from host.baseline.file import Baseline, campaign_runs, parse_tolerance, read_baseline
+from host.campaign.campaign import Executor, Finished, make_plan, run_campaign
+from host.campaign.folder import REPORT, RESULT, SUMMARY
+from host.campaign.page import render
+from host.campaign.plan import Plan, parse_changes, parse_seeds, parse_values
+from host.campaign.summary import Summary, summarised
+from host.campaign.tables import sections, verdict
+from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.terminal import print_section, standard_error, standard_output
+from host.record.atomic import write_whole
+from host.record.errors import UserError
+
+STANDARD_OUTPUT = "-"
+MOST_WORKERS = 512
+
+
+@dataclass(frozen=True, slots=True)
+class Outputs:
+    """Where results go, and what they are judged by."""
+
+    out: Path | None
+    json: str | None
+    markdown: Path | None
+    quiet: bool
+    pass_share: str = "100%"
+    baseline: Path | None = None
+    tolerance: str = "5%"
+
+
+def ask(
+    board: str,
+    scenario: str | None,
+    seeds: str,
+    profiles: str | None,
+    changes: Sequence[str] | None,
+    data: Path | None,
+) -> Plan:
+    """The plan that the command line asks for. Raises UserError."""
+    if data is not None and not data.is_dir():
+        raise UserError(f"--data {data}: no such folder; for example --data ~/recordings")
+    fixed, swept = parse_changes(changes or ())
+    chosen = parse_values(profiles, f"--profile {profiles}") if profiles else ()
+    return make_plan(board, scenario, chosen, parse_seeds(seeds), fixed, swept, data)
+
+
+def execute(plan: Plan, outputs: Outputs, workers: int | None, scheduler: str | None, kind: str) -> int:
+    """Run the campaign, or what is left of it. Returns the exit code. Raises UserError."""
+    share = parse_share(outputs.pass_share)
+    tolerance = parse_tolerance(outputs.tolerance)
+    baseline = None if outputs.baseline is None else read_baseline(outputs.baseline)
+    check_files(("--json", outputs.json), ("--markdown", outputs.markdown))
+    folder = outputs.out or default_folder(plan, kind)
+    executor = make_executor(workers, scheduler)
+    with progress_bar(f"{Path(plan.board).name} {Path(plan.scenario).stem}", outputs.quiet) as progress:
+        finished = run_campaign(
+            plan, folder, executor, kind=kind, notice=standard_error().print, progress=progress
+        )
+    summary = summarised(finished)
+    comparison = None if baseline is None else _compared(baseline, finished, tolerance)
+    ok = summary.ok(share) and (comparison is None or comparison.ok)
+    _write(finished, summary, comparison, outputs, share, ok)
+    _print(finished, summary, comparison, outputs)
+    return EXIT_MET if ok else EXIT_NOT_MET
+
+
+def make_executor(workers: int | None, scheduler: str | None) -> Executor:
+    """Local processes, or a cluster. Raises UserError."""
+    from host.campaign.series import course
+
+    if scheduler is not None:
+        from host.campaign.cluster import Cluster
+
+        if workers is not None:
+            raise UserError("--workers: the cluster of --scheduler has its own; leave one of the two out")
+        return Cluster(scheduler, course)
+    from host.campaign.pool import LocalPool
+
+    count = workers if workers is not None else len(os.sched_getaffinity(0))
+    if not 1 <= count <= MOST_WORKERS:
+        raise UserError(f"--workers {count}: must lie in 1 … {MOST_WORKERS}; for example --workers 4")
+    return LocalPool(count, course)
+
+
+def default_folder(plan: Plan, kind: str) -> Path:
+    """runs/KIND-BOARD-SCENARIO."""
+    return Path("runs") / f"{kind}-{Path(plan.board).name}-{Path(plan.scenario).stem}"
+
+
+def parse_share(text: str) -> float:
+    """`95%` or `0.95`. Raises UserError."""
+    try:
+        share = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
+    except ValueError:
+        share = -1.0
+    if not 0 <= share <= 1:
+        raise UserError(f"--pass-share {text}: must lie in 0 … 100 %; for example --pass-share 95%")
+    return share
+
+
+def check_files(*files: tuple[str, str | Path | None]) -> None:
+    """Tell before a long campaign that a file could not be written after it. Raises UserError."""
+    for option, name in files:
+        if name is None or str(name) == STANDARD_OUTPUT:
+            continue
+        path = Path(name)
+        if path.is_dir():
+            raise UserError(f"{option} {path}: is a folder; name a file, e.g. {option} {path / 'result'}")
+        if not path.parent.is_dir():
+            raise UserError(f"{option} {path}: the folder {path.parent} does not exist")
+        if not os.access(path.parent, os.W_OK):
+            raise UserError(f"{option} {path}: the folder {path.parent} is not writable")
+
+
+def _compared(baseline: Baseline, finished: Finished, tolerance: float) -> Comparison:
+    return compared(baseline, campaign_runs(finished.rows, finished.manifest), finished.manifest, tolerance)
+
+
+def _write(
+    finished: Finished,
+    summary: Summary,
+    comparison: Comparison | None,
+    outputs: Outputs,
+    share: float,
+    ok: bool,
+) -> None:
+    found: dict[str, Any] = summary.to_dict(finished.manifest, share)
+    text = json.dumps(found, indent=1) + "\n"
+    write_whole(finished.folder / SUMMARY, text, "--out")
+    extra = [] if comparison is None else [comparison.section()]
+    write_whole(finished.folder / REPORT, render(finished, summary, ok, extra), "--out")
+    if outputs.json is not None:
+        if comparison is not None:
+            text = json.dumps(found | {"ok": ok, "baseline": comparison.to_dict()}, indent=1) + "\n"
+        if outputs.json == STANDARD_OUTPUT:
+            print(text, end="")
+        else:
+            write_whole(Path(outputs.json), text, "--json")
+    if outputs.markdown is not None:
+        from host.report.markdown import summary as markdown
+
+        title = f"{finished.manifest['board']} {finished.manifest['scenario']}"
+        shown = [*extra, *sections(summary)]
+        write_whole(outputs.markdown, markdown(title, verdict(summary), shown), "--markdown")
+
+
+def _print(finished: Finished, summary: Summary, comparison: Comparison | None, outputs: Outputs) -> None:
+    console = standard_error() if outputs.json == STANDARD_OUTPUT else standard_output()
+    if not outputs.quiet:
+        console.print()
+        for section in sections(summary):
+            print_section(console, section)
+        if comparison is not None:
+            print_section(console, comparison.section())
+    resumed = f" ({finished.resumed:,} of them were there already)" if finished.resumed else ""
+    console.print(f"{verdict(summary)}{resumed}", soft_wrap=True)
+    if comparison is not None:
+        console.print(comparison.verdict(), soft_wrap=True)
+    console.print(f"result: {finished.folder / RESULT}  report: {finished.folder / REPORT}", soft_wrap=True)
+
+
+@contextmanager
+def progress_bar(title: str, quiet: bool) -> Iterator[Callable[[int, int], None] | None]:
+    """A bar on standard error that tells the time left; nothing when quiet or not in a terminal."""
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = standard_error()
+    if quiet or not console.is_terminal:
+        yield None
+        return
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("runs,"))
+    left = (TimeRemainingColumn(), TextColumn("left"))
+    with Progress(*columns, *left, console=console, auto_refresh=False, transient=True) as bar:
+        task = bar.add_task(title, total=None)
+
+        def show(done: int, total: int) -> None:
+            bar.update(task, completed=done, total=total)
+            bar.refresh()
+
+        yield show
