@@ -19,10 +19,11 @@ The rules of what may stand in the body are in docs/kernel-dialect.md; the tests
 for every function decorated here.
 """
 
+import contextlib
 import functools
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar, overload
@@ -147,26 +148,43 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
 
 def entry_point(kernel: F) -> F:
     """The machine code of a kernel with a signature, compiled now: calls skip numba's dispatch by types,
-    about 0.25 µs each. Interpreted, the kernel itself.
+    about 0.25 µs each. Interpreted, the kernel itself; likewise while `entries_named` listens.
     """
     if not hasattr(kernel, "compile_declared"):
         return kernel
+    if _named is not None:
+        _named.append(kernel)
+        return kernel
     kernel.compile_declared()
     return next(iter(kernel.overloads.values())).entry_point  # type: ignore[attr-defined]
+
+
+_named: list[Any] | None = None
+
+
+@contextlib.contextmanager
+def entries_named() -> Iterator[list[Any]]:
+    """Within it `entry_point` compiles nothing; the list holds the kernels that it was asked for."""
+    global _named
+    before, _named = _named, []
+    try:
+        yield _named
+    finally:
+        _named = before
+
+
+def kept_file(kernel: Any) -> Path | None:
+    """The file that says which code of a kernel with a signature is kept; it exists when there is some.
+    None when nothing is kept.
+    """
+    file = getattr(kernel._cache, "_cache_file", None)
+    return None if file is None else Path(file._index_path)
 
 
 def compiled_forms(kernel: Any) -> list[Any]:
     """Numba's results for a kernel in this process: as an entry that Python calls, and inside of others."""
     inner = getattr(kernel, "inner", None)
     return [*kernel.overloads.values(), *(inner.overloads.values() if inner is not None else ())]
-
-
-def kernels_are_kept() -> bool:
-    """Whether compiled kernels of the present sources lie in the cache (True when nothing is compiled)."""
-    if INTERPRETED:
-        return True
-    folder = _cache_folder("float32", "")
-    return folder is not None and any(folder.rglob("*.nbi"))
 
 
 def compile_once_for_all_literals(dispatcher: Any) -> None:

@@ -98,8 +98,8 @@ class Ready:
 
 
 def _make_ready(request: RunRequest, setup: Setup, world: World) -> Ready:
-    with _user_errors():
-        warm_up(setup.board, World(setup.scenario, request.seed, request.data_dir), request.notice)
+    with _user_errors(f"{board_folder(request.board) / 'board.toml'}: "):
+        warm_up(setup, lambda: World(setup.scenario, request.seed, request.data_dir), request.notice)
         surroundings = Surroundings(world, request.out_dir)
         board = assemble(setup.board, setup.profile, surroundings)
         faults = place_faults(

@@ -1,91 +1,153 @@
 """Everything compiled is ready before virtual time begins.
 
-At the first run with the present sources the on-board kernels are compiled by two further processes, which
-leave them in the cache on disk, while this one does the simulator's; later all of it is only loaded. Nothing
-is compiled inside virtual time, where it would count as speed and could look like a firmware that hangs.
+A board like the one that is to run is assembled in a world of its own, works for a second of virtual time
+and is thrown away (20 ms): whatever it calls is then compiled, or loaded from the cache on disk, and nothing
+of that falls into the run, where it would count as speed and could look like a firmware that hangs. And a
+board that lacks what its program asks for is found before anything is written.
 
-    python -m host.run.warm_up MODULE apps|others     what such a process does
+At the first run with the present sources most of the time would go into the kernels on board and the
+simulator's loops. Therefore the entry kernels are asked for first, and a second process (a fork of this one)
+takes them from the longest on while this one does the simulator and then the kernels from the shortest on.
+Any other run that begins meanwhile takes its share instead of doing the same again (`claims`).
 """
 
 from __future__ import annotations
 
+import gc
 import os
-import subprocess
+import signal
 import sys
-from collections.abc import Callable
-from importlib import import_module
-from pathlib import Path
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 
+from boards.assembly import assemble
 from boards.description import Board
-from firmware.numerics.dialect import INTERPRETED, Kernel, kernels_are_kept, registered_kernels
+from firmware.numerics.claims import claim
+from firmware.numerics.dialect import INTERPRETED, entries_named, kept_file
+from host.record.row_text import RowText
+from host.run.setup import Setup
+from host.run.surroundings import Surroundings
+from host.sim.compiled import keep_code_of_chips
 from host.sim.world import World
 
-PARTS = ("apps", "others")
-"""The kernels of the program itself, which pull in the strapdown; and those of filter, drivers and link.
-About equally long."""
+BOOT_NS = 1_000_000
+"""By then a program has asked for its entry kernels and called hardly any."""
+WORK_NS = 1_200_000_000
+"""By then a receiver has sent its first epochs."""
 BANDWIDTH_HZ = 40.0
 FIRST_RUN = "compiling the on-board kernels (first run with these sources, some 15 s) …"
 
+_warm: set[str] = set()
+"""What this process has warmed up for."""
 
-def warm_up(board: Board, world: World, notice: Callable[[str], None] | None) -> None:
-    """Compile or load all kernels that `board` in `world` needs; `notice` is told when it takes long.
 
-    `world` must be one of its own: it is asked for samples.
+def warm_up(setup: Setup, another_world: Callable[[], World], notice: Callable[[str], None] | None) -> None:
+    """Compile or load all that a run needs; `notice` is told when it takes long.
+
+    Once for each board and profile in a process; `another_world` makes a world like that of the run.
     """
-    modules = sorted({processor.program.partition(":")[0] for processor in board.processors.values()})
-    helpers: list[subprocess.Popen[bytes]] = []
-    if not INTERPRETED and not kernels_are_kept():
+    key = repr((setup.board, setup.profile, setup.scenario.kind))
+    if key in _warm:
+        return
+    keep_code_of_chips()
+    world = another_world()
+    with entries_named() as kernels:
+        board = assemble(setup.board, setup.profile, Surroundings(world, None))
+        board.machine.run_until(BOOT_NS)
+    missing = [] if INTERPRETED else [kernel for kernel in dict.fromkeys(kernels) if _is_missing(kernel)]
+    if missing:
         if notice is not None:
             notice(FIRST_RUN)
-        helpers = [_helper(module, part) for module in modules for part in PARTS]
+        missing.sort(key=_size, reverse=True)
+        _compile_side_by_side(missing, lambda: _exercise(setup.board, world))
+    _exercise(setup.board, world)
+    board.machine.run_until(WORK_NS)
+    board.machine.power_off()
+    _warm.add(key)
+
+
+def _is_missing(kernel: Any) -> bool:
+    file = kept_file(kernel)
+    return file is None or not file.is_file()
+
+
+def _size(kernel: Any) -> int:
+    """How many kernels end in this one: about the time to compile it."""
+    found: set[int] = set()
+    waiting = [kernel]
+    while waiting:
+        function = waiting.pop().py_func
+        for name in function.__code__.co_names:
+            callee = function.__globals__.get(name)
+            if hasattr(callee, "py_func") and id(callee) not in found:
+                found.add(id(callee))
+                waiting.append(callee)
+    return len(found)
+
+
+def _compile_side_by_side(kernels: Sequence[Any], own_work: Callable[[], None]) -> None:
+    """`kernels`, longest first, and the work of the host, in two processes where the system forks well."""
+    with _no_collector():
+        helper = _forked(lambda: _compile(kernels)) if sys.platform == "linux" else None
+        try:
+            folder = next((file.parent for file in map(kept_file, kernels) if file is not None), None)
+            with claim(folder / "host.claim", wait=True) if folder is not None else _nothing():
+                own_work()
+            _compile(kernels[::-1])
+        finally:
+            if helper is not None:
+                os.kill(helper, signal.SIGTERM)
+                os.waitpid(helper, 0)
+
+
+def _compile(kernels: Sequence[Any]) -> None:
+    """Each of the kernels that no other process is compiling; then those, which lie in the cache by then."""
+    for wait in (False, True):
+        for kernel in kernels:
+            file = kept_file(kernel)
+            with claim(file.with_suffix(".claim"), wait) if file is not None else _nothing() as ours:
+                if ours:
+                    kernel.compile_declared()
+
+
+def _forked(work: Callable[[], None]) -> int:
+    """A process that does `work`. Should it fail, this process will do the work and tell what is wrong."""
+    process = os.fork()
+    if process:
+        return process
     try:
-        _exercise(board, world)
-        for helper in helpers:
-            helper.wait()
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        os.dup2(nowhere, 1)
+        os.dup2(nowhere, 2)
+        work()
     finally:
-        for helper in helpers:
-            helper.kill()
-    for module in modules:
-        _compile(module, PARTS)
+        os._exit(0)
 
 
-def _helper(module: str, part: str) -> subprocess.Popen[bytes]:
-    """A process that compiles one part; if it fails, this process compiles the part itself."""
-    paths = [str(Path(__file__).parents[2]), *sys.path]
-    return subprocess.Popen(
-        [sys.executable, "-m", "host.run.warm_up", module, part],
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(path for path in paths if path)},
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )
+@contextmanager
+def _nothing() -> Iterator[bool]:
+    yield True
 
 
-def _compile(module: str, parts: tuple[str, ...]) -> None:
-    """Compile what a program's kernels with a signature need, unless it lies in the cache."""
+@contextmanager
+def _no_collector() -> Iterator[None]:
+    """A compiler makes many objects and few cycles: 8 % less time without looking for them."""
+    enabled = gc.isenabled()
+    gc.disable()
     try:
-        import_module(module)
-    except ImportError:
-        return  # the board's loader tells it better
-    for kernel in registered_kernels():
-        if kernel.signature is not None and _part(kernel) in parts:
-            compile_declared = getattr(kernel.callable, "compile_declared", None)
-            if compile_declared is not None:
-                compile_declared()
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
-def _part(kernel: Kernel) -> str | None:
-    """Inner kernels of arithmetic and conversion are compiled into those that call them."""
-    if kernel.name.startswith("firmware.apps."):
-        return "apps"
-    return None if kernel.name.startswith("firmware.numerics.") else "others"
-
-
-def _exercise(board: Board, world: World) -> None:
-    """Ask the world everything a run asks, for a hundredth of a second."""
+def _exercise(description: Board, world: World) -> None:
+    """Ask the world everything a run asks, for a hundredth of a second, and write a number."""
     times_ns = np.array([0, 10_000_000], dtype=np.int64)
-    for refdes, chip in board.chips.items():
+    for refdes, chip in description.chips.items():
         if chip.world == "imu":
             world.imu(refdes, np.array(chip.mounting), np.array(chip.lever_arm_m), chip.errors).sample(
                 times_ns, BANDWIDTH_HZ
@@ -94,7 +156,4 @@ def _exercise(board: Board, world: World) -> None:
             world.gnss(refdes, np.array(chip.lever_arm_m)).epoch(0)
     world.truth(times_ns)
     world.antenna_truth(times_ns, np.zeros(3))
-
-
-if __name__ == "__main__":
-    _compile(sys.argv[1], (sys.argv[2],))
+    RowText.csv([3]).text(np.zeros((1, 1)))

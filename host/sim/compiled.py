@@ -30,6 +30,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
+BOARDS = Path(__file__).parents[2] / "boards"
 _OPTIONS: dict[str, Any] = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
 _OPTIONS |= {"no_cfunc_wrapper": True}
 
@@ -57,11 +58,26 @@ def entry(function: F) -> F:
         config.CACHE_DIR = before
 
 
+def keep_code_of_chips() -> None:
+    """Keep beside ours what chip models compile by numba itself (`cache=True`) from now on.
+
+    Numba's own place would be among the sources. Who sets NUMBA_CACHE_DIR decides otherwise.
+    """
+    config: Any = numba.config
+    folder = None if config.CACHE_DIR or INTERPRETED else _folder_for(BOARDS)
+    if folder is not None:
+        config.CACHE_DIR = str(folder)
+
+
 @functools.cache
 def _cache_folder() -> Path | None:
+    return _folder_for(Path(__file__).parent)
+
+
+def _folder_for(sources: Path) -> Path | None:
     digest = hashlib.sha256()
-    for path in sorted(Path(__file__).parent.rglob("*.py")):
+    for path in sorted(sources.rglob("*.py")):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     processor = llvmlite.binding.get_host_cpu_name()
     versions = f"{sys.version} numba {numba.__version__} numpy {np.__version__} {processor}"
-    return kernel_cache_folder(f"{versions} simulator {digest.hexdigest()}")
+    return kernel_cache_folder(f"{versions} {sources.name} {digest.hexdigest()}")

@@ -6,8 +6,9 @@ Its memory is two flat arrays, `f` and `i`, laid out by `firmware.nav.layout`; b
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -30,17 +31,25 @@ class NavigationKernels:
     """The compiled code that navigation calls, in the profile's precision: what is in flash."""
 
     def __init__(self, precision: str) -> None:
-        steps = load("firmware.apps.car_mems.steps", precision)
+        self._steps = load("firmware.apps.car_mems.steps", precision)
         solution = load("firmware.nav.solution", precision)
         self.real = np.dtype(precision)
-        self.data_ready_step = entry_point(steps.data_ready_step)
-        self.timer_sample = entry_point(steps.timer_sample)
         self.gnss_step = entry_point(load("firmware.nav.gnss", precision).gnss_step)
         self.temperature_step = entry_point(load("firmware.nav.temperature", precision).temperature_step)
         self.solution = entry_point(solution.solution)
         self.covariance = entry_point(solution.covariance)
         self.innovation = entry_point(solution.innovation)
         self.biases = entry_point(solution.biases)
+
+    @functools.cached_property
+    def data_ready_step(self) -> Callable[..., int]:
+        """The step of profile `full-rate`; only the one in use is compiled."""
+        return entry_point(self._steps.data_ready_step)
+
+    @functools.cached_property
+    def timer_sample(self) -> Callable[..., int]:
+        """The step of profile `thesis`."""
+        return entry_point(self._steps.timer_sample)
 
 
 class Navigation:
