@@ -1,0 +1,110 @@
+"""The worked example: a new board passes its gate; broken, it fails with a message that can be acted on."""
+
+import re
+import shlex
+import subprocess
+import sys
+from xml.etree import ElementTree
+
+import own_boards
+import pytest
+
+
+@pytest.fixture(scope="module")
+def repository(tmp_path_factory):
+    return own_boards.new_repository(tmp_path_factory.mktemp("gate"))
+
+
+@pytest.fixture(scope="module")
+def environment(tmp_path_factory):
+    return own_boards.environment(tmp_path_factory.mktemp("tools"))
+
+
+@pytest.fixture(scope="module")
+def checked(repository, environment, tmp_path_factory):
+    """What CI does with the board as it was made."""
+    summary = tmp_path_factory.mktemp("page") / "summary.md"
+    summary.write_text("before\n")
+    done = own_boards.call(
+        ["ci/navtwin.sh", "check"], repository, {**environment, "GITHUB_STEP_SUMMARY": str(summary)}
+    )
+    return done, summary
+
+
+@pytest.fixture(scope="module")
+def broken(repository, environment, checked):
+    """The same after a sign was lost in the program."""
+    program = repository / "tilt_unit/program.py"
+    text = program.read_text()
+    attitude = "attitude = self._f[kernels.EULER : kernels.EULER + 3].tolist()"
+    assert attitude in text
+    program.write_text(text.replace(attitude, f"{attitude}\n        attitude[1] = -attitude[1]"))
+    return own_boards.call(["python", "-m", "pytest", "-n", "2"], repository, environment)
+
+
+def test_a_new_board_passes_its_gate(checked, repository):
+    done, summary = checked
+    assert done.returncode == 0, done.stdout
+    assert "6 passed" in done.stdout
+    assert "all 5 expectations met" in done.stdout
+    assert summary.read_text() == "before\n" + (repository / "build/drive.md").read_text()
+    assert "all 5 expectations met" in summary.read_text()
+
+
+def test_the_results_are_where_ci_looks_for_them(checked, repository):
+    cases = ElementTree.parse(repository / "build/drive.xml").getroot().findall(".//testcase")
+    assert len(cases) == 5
+    tests = ElementTree.parse(repository / "build/tests.xml").getroot().findall(".//testcase")
+    assert len(tests) == 6
+    told = {item.get("name"): item.get("value") for item in tests[1].iter("property")}
+    assert re.fullmatch(r"0\.\d+ <= 0\.7", told["continuous_roll_rms_deg"])
+    kept = [path.name for path in (repository / "build/runs").iterdir()]
+    assert "tilt_unit-default-2" in kept
+    assert all((repository / "build/runs" / name / "report.html").is_file() for name in kept)
+
+
+def test_a_broken_program_fails_with_figure_value_limit_and_seed(broken):
+    assert broken.returncode == 1
+    assert re.search(
+        r"NOT MET  continuous_pitch_rms_deg +[1-9][.\d]*, limit ≤ 0\.7  \(exact: [\d.]+ <= 0\.7\)",
+        broken.stdout,
+    )
+    assert re.search(r"OK       continuous_yaw_rms_deg +0\.", broken.stdout)
+    assert "tilt_unit drive standard seed 2: 1 of 4 expectations NOT MET" in broken.stdout
+    assert "2 passed" in broken.stdout  # deadlines, and the kernel by itself
+
+
+def test_the_command_of_the_message_fails_in_the_same_way(broken, repository, environment):
+    commands = re.findall(r"reproduce: (navtwin run .*--seed 2.*)", broken.stdout)
+    assert commands
+    words = [*shlex.split(commands[0]), "--no-capture", "--quiet"]
+    assert words[2] == "./tilt_unit"
+    again = own_boards.call(words, repository, environment)
+    assert again.returncode == 1
+    assert "1 of 4 expectations NOT MET" in again.stdout
+
+
+# -- beside projects that do not use it --------------------------------------------------------------
+
+
+def test_the_plugin_brings_in_nothing():
+    script = "import sys, pytest; before = set(sys.modules); import navtwin_pytest;"
+    script += "print(sorted(set(sys.modules) - before))"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "['navtwin_pytest']"
+
+
+def test_a_project_with_packages_of_the_same_names_is_left_alone(tmp_path):
+    for name in ("host", "boards", "firmware", "hal"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "__init__.py").write_text("MINE = True\n")
+    (tmp_path / "test_mine.py").write_text(
+        "import boards, firmware, hal, host\n\n"
+        "def test_mine(pytestconfig):\n"
+        "    assert host.MINE and boards.MINE and firmware.MINE and hal.MINE\n"
+        "    assert pytestconfig.pluginmanager.hasplugin('navtwin')\n"
+    )
+    words = [sys.executable, "-m", "pytest", "-q", "--strict-markers", "-p", "no:cacheprovider"]
+    done = own_boards.call([*words, "--rootdir", "."], tmp_path, own_boards.plain_environment())
+    assert done.returncode == 0, done.stdout
+    assert "1 passed" in done.stdout
