@@ -1,9 +1,8 @@
 """Many instants side by side: the part of the kinematics that goes through vector registers.
 
-Most of the time would go into sines: of up to forty sinusoids that shake the vehicle and of six angles, at
-every instant. An inner loop without branches over LANES neighbours becomes vector instructions (a fifth less
-time for the whole kinematics than sine after sine at one instant); the rest is done lane by lane. The bits
-are the same either way.
+Each quantity has LANES neighbours in memory, and an inner loop without branches over them becomes vector
+instructions, provided that the arrays are made in the function itself, where LLVM sees their strides: 0.23
+µs for an instant of a drive on tarmac instead of 0.36 one instant after the other. The bits are the same.
 """
 
 from __future__ import annotations
@@ -15,9 +14,9 @@ from host.sim.trajectory.shaking import SWAY_PITCH, SWAY_ROLL, SWAY_YAW, envelop
 
 LANES = 32
 
-V, V1, YAW1, YAW2, PITCH1, PITCH2, ROLL1, ROLL2, E, E1, E2, PATH = range(12)
+V, V1, YAW1, YAW2, PITCH1, PITCH2, ROLL1, ROLL2, E, E1, E2, AN, AE, AD, RM, RN, G, PATH = range(18)
 """Rows of `path` (PATH, LANES): speed and angles of the path without shaking and their derivatives, the
-envelope of the shaking and its derivatives."""
+envelope of the shaking and its derivatives; v̇_n, the Earth's radii M and N plus height, gravity."""
 
 PATH_YAW, PATH_PITCH, BODY_YAW, BODY_PITCH, BODY_ROLL, PLACE, ANGLES = range(7)
 SIN, COS, ANGLE = range(3)
@@ -60,7 +59,7 @@ def follow_path(
 def fill_sines(angles: Floats) -> None:
     """Sines and cosines of all angles."""
     for k in range(ANGLES):
-        for j in range(angles.shape[2]):
+        for j in range(LANES):
             sin, cos = sincos_turns(angles[ANGLE, k, j] * TURNS_PER_RADIAN)
             angles[SIN, k, j] = sin
             angles[COS, k, j] = cos

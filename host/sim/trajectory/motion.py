@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from host.sim.compiled import Floats, Integers, entry
 from host.sim.trajectory.disturbance import Disturbance
-from host.sim.trajectory.kinematics import LATITUDE, ROW, motion_row
+from host.sim.trajectory.kinematics import LATITUDE, ROW, motion_rows
 from host.sim.trajectory.lanes import ANGLE, ANGLES, LANES, PATH, PLACE, fill_sines, follow_path
 from host.sim.trajectory.nodes import integrate_nodes, position_at
 from host.sim.trajectory.segments import MotionState, Segment, build_channels
@@ -118,28 +118,24 @@ def fill_rows(
 ) -> None:
     """Rows of truth at times within one chunk, LANES at a time; what the last ones leave free is unused."""
     row = layout[:4].copy()
-    lanes = min(LANES, times_ns.shape[0])
-    times = np.zeros(lanes)
-    sums = np.empty((3, lanes))
-    shake = np.empty((6, 3, lanes))
-    path = np.empty((PATH, lanes))
-    angles = np.zeros((3, ANGLES, lanes))
-    places = np.empty((lanes, 3))
-    truth = np.empty(ROW)
-    for first in range(0, times_ns.shape[0], lanes):
-        count = min(lanes, times_ns.shape[0] - first)
+    times = np.zeros(LANES)
+    sums = np.empty((3, LANES))
+    shake = np.empty((6, 3, LANES))
+    path = np.zeros((PATH, LANES))
+    angles = np.zeros((3, ANGLES, LANES))
+    truth = np.zeros((ROW, LANES))
+    for first in range(0, times_ns.shape[0], LANES):
+        count = min(LANES, times_ns.shape[0] - first)
         for j in range(count):
             times[j] = times_ns[first + j] * 1e-9
         shaking(layout, bank, times, sums, shake)
         for j in range(count):
             t_ns = times_ns[first + j]
-            position_at(nodes, start_ns, shift, t_ns, places, j)
-            angles[ANGLE, PLACE, j] = places[j, LATITUDE]
+            position_at(nodes, start_ns, shift, t_ns, j, truth)
+            angles[ANGLE, PLACE, j] = truth[LATITUDE, j]
             follow_path(layout, coefficients, constants, row, t_ns, j, path, shake, angles)
         fill_sines(angles)
+        motion_rows(constants, times, path, angles, shake, truth)
         for j in range(count):
-            for k in range(3):
-                truth[k] = places[j, k]
-            motion_row(constants, times_ns[first + j], path, angles, shake, j, truth)
             for k in range(ROW):
-                out[first + j, k] = truth[k]
+                out[first + j, k] = truth[k, j]

@@ -79,8 +79,8 @@ def integrate_nodes(
 
 
 @inner
-def position_at(nodes: Floats, start_ns: int, shift: int, t_ns: int, out: Floats, j: int) -> None:
-    """Latitude, longitude and height at an instant that lies between the nodes, into row `j` of `out`."""
+def position_at(nodes: Floats, start_ns: int, shift: int, t_ns: int, j: int, out: Floats) -> None:
+    """Latitude, longitude and height at an instant that lies between the nodes, into lane `j` of `out`."""
     k = (t_ns - start_ns) >> shift
     step_ns = 1 << shift
     step = step_ns * 1e-9
@@ -89,4 +89,4 @@ def position_at(nodes: Floats, start_ns: int, shift: int, t_ns: int, out: Floats
     a, b = x * x * (3.0 - 2.0 * x), step * x * y
     for i in range(3):
         p = nodes[k, i]
-        out[j, i] = p + a * (nodes[k + 1, i] - p) + b * (y * nodes[k, 3 + i] - x * nodes[k + 1, 3 + i])
+        out[i, j] = p + a * (nodes[k + 1, i] - p) + b * (y * nodes[k, 3 + i] - x * nodes[k + 1, 3 + i])
