@@ -32,14 +32,21 @@ def checked(repository, environment, tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def broken(repository, environment, checked):
+def side_by_side(repository, environment, checked):
+    """Two of its tests in two processes of pytest-xdist."""
+    words = ["python", "-m", "pytest", "-n", "2", "-k", "seeds", "--navtwin-out", "build/workers"]
+    return own_boards.call(words, repository, environment)
+
+
+@pytest.fixture(scope="module")
+def broken(repository, environment, side_by_side):
     """The same after a sign was lost in the program."""
     program = repository / "tilt_unit/program.py"
     text = program.read_text()
     attitude = "attitude = self._f[kernels.EULER : kernels.EULER + 3].tolist()"
     assert attitude in text
     program.write_text(text.replace(attitude, f"{attitude}\n        attitude[1] = -attitude[1]"))
-    return own_boards.call(["python", "-m", "pytest", "-n", "2"], repository, environment)
+    return own_boards.call(["python", "-m", "pytest", "-k", "seeds or deadlines"], repository, environment)
 
 
 def test_a_new_board_passes_its_gate(checked, repository):
@@ -63,6 +70,12 @@ def test_the_results_are_where_ci_looks_for_them(checked, repository):
     assert all((repository / "build/runs" / name / "report.html").is_file() for name in kept)
 
 
+def test_workers_of_xdist_keep_their_runs_apart(side_by_side, repository):
+    assert "2 passed" in side_by_side.stdout
+    kept = sorted(path.relative_to(repository) for path in repository.glob("build/workers/*/*/report.html"))
+    assert [path.parts[2] for path in kept] == ["gw0", "gw1"]
+
+
 def test_a_broken_program_fails_with_figure_value_limit_and_seed(broken):
     assert broken.returncode == 1
     assert re.search(
@@ -71,7 +84,7 @@ def test_a_broken_program_fails_with_figure_value_limit_and_seed(broken):
     )
     assert re.search(r"OK       continuous_yaw_rms_deg +0\.", broken.stdout)
     assert "tilt_unit drive standard seed 2: 1 of 4 expectations NOT MET" in broken.stdout
-    assert "2 passed" in broken.stdout  # deadlines, and the kernel by itself
+    assert "2 failed, 1 passed, 3 deselected" in broken.stdout  # deadlines are kept
 
 
 def test_the_command_of_the_message_fails_in_the_same_way(broken, repository, environment):
