@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from host.sim.compiled import Floats, Integers, entry
 from host.sim.trajectory.disturbance import Disturbance
 from host.sim.trajectory.kinematics import LATITUDE, ROW, motion_rows
-from host.sim.trajectory.lanes import ANGLE, ANGLES, LANES, PATH, PLACE, fill_sines, follow_path
+from host.sim.trajectory.lanes import ANGLE, ANGLES, LANES, PATH, PLACE, fill_sines, follow_path, shake_path
 from host.sim.trajectory.nodes import integrate_nodes, position_at
 from host.sim.trajectory.segments import MotionState, Segment, build_channels
 from host.sim.trajectory.shaking import shaking
@@ -133,7 +133,8 @@ def fill_rows(
             t_ns = times_ns[first + j]
             position_at(nodes, start_ns, shift, t_ns, j, truth)
             angles[ANGLE, PLACE, j] = truth[LATITUDE, j]
-            follow_path(layout, coefficients, constants, row, t_ns, j, path, shake, angles)
+            follow_path(layout, coefficients, row, t_ns, j, path)
+        shake_path(constants, path, shake, angles)
         fill_sines(angles)
         motion_rows(constants, times, path, angles, shake, truth)
         for j in range(count):
