@@ -10,15 +10,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from host.baseline.comparison import Comparison, compared
+from host.baseline.comparison import Comparison, compared, must_fit
 from host.baseline.file import Baseline, campaign_runs, parse_tolerance, read_baseline
 from host.campaign.campaign import Executor, Finished, make_plan, run_campaign
 from host.campaign.folder import REPORT, RESULT, SUMMARY
+from host.campaign.identity import campaign_manifest
 from host.campaign.page import render
 from host.campaign.plan import Plan, parse_changes, parse_seeds, parse_values
 from host.campaign.summary import Summary, summarised
 from host.campaign.tables import sections, verdict
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.run_command import print_comparison
 from host.cli.terminal import print_section, standard_error, standard_output
 from host.record.atomic import write_whole
 from host.record.errors import UserError
@@ -63,6 +65,8 @@ def execute(plan: Plan, outputs: Outputs, workers: int | None, scheduler: str | 
     baseline = None if outputs.baseline is None else read_baseline(outputs.baseline)
     check_files(("--json", outputs.json), ("--markdown", outputs.markdown))
     folder = outputs.out or default_folder(plan, kind)
+    if baseline is not None:
+        must_fit(baseline, campaign_manifest(plan, kind))
     executor = make_executor(workers, scheduler)
     with progress_bar(f"{Path(plan.board).name} {Path(plan.scenario).stem}", outputs.quiet) as progress:
         finished = run_campaign(
@@ -162,12 +166,10 @@ def _print(finished: Finished, summary: Summary, comparison: Comparison | None, 
         console.print()
         for section in sections(summary):
             print_section(console, section)
-        if comparison is not None:
-            print_section(console, comparison.section())
     resumed = f" ({finished.resumed:,} of them were there already)" if finished.resumed else ""
     console.print(f"{verdict(summary)}{resumed}", soft_wrap=True)
     if comparison is not None:
-        console.print(comparison.verdict(), soft_wrap=True)
+        print_comparison(console, comparison, outputs.quiet)
     console.print(f"result: {finished.folder / RESULT}  report: {finished.folder / REPORT}", soft_wrap=True)
 
 

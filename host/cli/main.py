@@ -115,6 +115,8 @@ def run_command(
     markdown: Annotated[
         Path | None, typer.Option("--markdown", metavar="FILE", help="A summary for the page of a merge.")
     ] = None,
+    baseline: campaign_command.Baseline = None,
+    tolerance: campaign_command.Tolerance = "5%",
     no_capture: Annotated[bool, typer.Option("--no-capture", help="Leave out run.mcap.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no tables.")] = False,
 ) -> None:
@@ -137,7 +139,7 @@ def run_command(
             out_dir=out,
             capture=not no_capture,
         )
-        return execute(request, Outputs(json=json, junit=junit, markdown=markdown, quiet=quiet))
+        return execute(request, Outputs(json, junit, markdown, quiet, baseline, tolerance))
 
     guarded(command)
 

@@ -7,10 +7,21 @@ import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from rich.console import Console
+
 from boards.description import load_board
+from host.baseline.comparison import Comparison, compared
+from host.baseline.file import Baseline, parse_tolerance, read_baseline, run_of_result
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.junit import junit_xml
-from host.cli.terminal import print_result, print_verdict, progress_bar, standard_error, standard_output
+from host.cli.terminal import (
+    print_result,
+    print_section,
+    print_verdict,
+    progress_bar,
+    standard_error,
+    standard_output,
+)
 from host.record.atomic import write_whole
 from host.record.command_line import command_line
 from host.record.errors import UserError
@@ -28,22 +39,44 @@ class Outputs:
     junit: Path | None
     markdown: Path | None
     quiet: bool
+    baseline: Path | None = None
+    tolerance: str = "5%"
 
 
 def execute(request: RunRequest, outputs: Outputs) -> int:
     """Run, write and print. Returns the exit code. Raises UserError for what the user got wrong."""
     _check_places(request, outputs)
+    tolerance = parse_tolerance(outputs.tolerance)
+    baseline = None if outputs.baseline is None else read_baseline(outputs.baseline)
     request = with_folder(request)
     from host.run.runner import run
 
     with progress_bar(f"{request.board} {request.scenario or ''}".strip(), outputs.quiet) as progress:
         result = run(replace(request, progress=progress, notice=standard_error().print))
-    _write(result, outputs, command_line(request))
+    comparison = None if baseline is None else _compared(baseline, result, tolerance)
+    _write(result, outputs, command_line(request), comparison)
     console = standard_error() if outputs.json == STANDARD_OUTPUT else standard_output()
     if not outputs.quiet:
         print_result(console, result)
     print_verdict(console, result)
-    return EXIT_MET if result.ok else EXIT_NOT_MET
+    if comparison is not None:
+        print_comparison(console, comparison, outputs.quiet)
+    met = result.ok and (comparison is None or comparison.ok)
+    return EXIT_MET if met else EXIT_NOT_MET
+
+
+def print_comparison(console: Console, comparison: Comparison, quiet: bool) -> None:
+    """What has become worse, or one line that nothing has."""
+    if not quiet and comparison.section().rows:
+        print_section(console, comparison.section())
+    else:
+        console.print(comparison.verdict(), soft_wrap=True)
+
+
+def _compared(baseline: Baseline, result: RunResult, tolerance: float) -> Comparison:
+    assert result.out_dir is not None
+    manifest = json.loads((result.out_dir / "manifest.json").read_text(encoding="utf-8"))
+    return compared(baseline, [run_of_result(result)], manifest, tolerance)
 
 
 def with_folder(request: RunRequest) -> RunRequest:
@@ -56,9 +89,12 @@ def with_folder(request: RunRequest) -> RunRequest:
     return replace(request, out_dir=Path("runs") / f"{board.name}-{scenario}-{profile}-{request.seed}")
 
 
-def _write(result: RunResult, outputs: Outputs, command: str) -> None:
+def _write(result: RunResult, outputs: Outputs, command: str, comparison: Comparison | None) -> None:
     if outputs.json is not None:
-        text = json.dumps(result.to_dict(), indent=1) + "\n"
+        document = result.to_dict()
+        if comparison is not None:
+            document["baseline"] = comparison.to_dict()
+        text = json.dumps(document, indent=1) + "\n"
         if outputs.json == STANDARD_OUTPUT:
             print(text, end="")
         else:
@@ -66,7 +102,8 @@ def _write(result: RunResult, outputs: Outputs, command: str) -> None:
     if outputs.junit is not None:
         write_whole(outputs.junit, junit_xml(result, command), "--junit")
     if outputs.markdown is not None:
-        write_whole(outputs.markdown, run_summary(result, command), "--markdown")
+        extra = [] if comparison is None else [comparison.section()]
+        write_whole(outputs.markdown, run_summary(result, command, extra), "--markdown")
 
 
 def _check_places(request: RunRequest, outputs: Outputs) -> None:

@@ -15,10 +15,10 @@ SPECIAL = re.compile(r"([\\`*_\[\]|~])")
 EVENTS_SHOWN = 20
 
 
-def run_summary(result: RunResult, command: str | None = None) -> str:
-    """One run. `command`: the command line that makes it again."""
+def run_summary(result: RunResult, command: str | None = None, extra: Sequence[Section] = ()) -> str:
+    """One run. `command`: the command line that makes it again; `extra`: tables below the verdict."""
     tables = sections(result)
-    shown = [section for section in tables if section.title == "Expectations"]
+    shown = [*(section for section in tables if section.title == "Expectations"), *extra]
     folded = [section for section in tables if section not in shown]
     title = f"{result.board} {result.scenario} {result.profile} seed {result.seed}"
     speed = f"{result.duration_s:,.0f} s of virtual time, {result.real_time_factor:,.0f} × real time"
