@@ -135,14 +135,19 @@ def compile_lazily(function: F, signature: Signature | None, kept_as: str | None
         dispatcher: Any = entry(function)
     finally:
         config.CACHE_DIR = before
-    inner = make_inner(function, options)
-    if signature is None:
-        compile_once_for_all_literals(inner)
-    else:
+
+    def inner_form() -> Any:
+        inner = make_inner(function, options)
+        if signature is None:
+            compile_once_for_all_literals(inner)
+        else:
+            declare_only(inner, signature.text)
+        return inner
+
+    if signature is not None:
         declare_only(dispatcher, signature.text)
-        declare_only(inner, signature.text)
         _check_first_call(dispatcher, signature)
-    let_kernels_call(dispatcher, inner)
+    let_kernels_call(dispatcher, inner_form)
     return dispatcher
 
 

@@ -11,6 +11,8 @@ Made by numba's documented means to customise a compiler (`pipeline_class`) and 
 """
 
 import functools
+import importlib
+import sys
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
@@ -20,6 +22,20 @@ from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import CompilerBase, Flags
 from numba.core.compiler_machinery import PassManager, register_pass
 from numba.core.typing import Context
+
+
+def _never_load_blas() -> None:
+    """Let numba find no linear algebra when it looks for it: no kernel uses it, loading takes 0.3 s."""
+    if "scipy.linalg" in sys.modules:
+        return
+    sys.modules["scipy.linalg"] = None  # type: ignore[assignment]
+    try:
+        importlib.import_module("numba.np.arraymath")
+    finally:
+        del sys.modules["scipy.linalg"]
+
+
+_never_load_blas()
 
 
 class InnerLibrary(JITCodeLibrary):
@@ -147,8 +163,13 @@ def make_inner(function: Callable[..., Any], options: Mapping[str, Any]) -> Any:
     return dispatcher
 
 
-def let_kernels_call(dispatcher: Any, inner: Any) -> None:
-    """Give kernels that call `dispatcher` the code of `inner`, made of the same function."""
-    dispatcher.inner = inner
-    dispatcher.get_call_template = inner.get_call_template
-    dispatcher.get_overload = inner.get_overload
+def let_kernels_call(dispatcher: Any, make: Callable[[], Any]) -> None:
+    """Give kernels that call `dispatcher` the code of its inner form, which `make` makes when first asked."""
+
+    @functools.cache
+    def inner() -> Any:
+        dispatcher.inner = made = make()
+        return made
+
+    dispatcher.get_call_template = lambda *arguments: inner().get_call_template(*arguments)
+    dispatcher.get_overload = lambda signature: inner().get_overload(signature)

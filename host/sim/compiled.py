@@ -40,7 +40,7 @@ def inner(function: F) -> F:
     if INTERPRETED:
         return function
     dispatcher = numba.njit(**_OPTIONS, pipeline_class=KernelCompiler)(function)
-    let_kernels_call(dispatcher, make_inner(function, {"forceinline": True, **_OPTIONS}))
+    let_kernels_call(dispatcher, lambda: make_inner(function, {"forceinline": True, **_OPTIONS}))
     return dispatcher
 
 
