@@ -16,10 +16,6 @@ from host.score.expectations import bare, check_names, flat_figures, judge
 from host.sim.scenario.schema import limit_of
 
 
-class ExpectationError(AssertionError):
-    """A figure does not keep its limit."""
-
-
 class CheckedRun:
     """What `navtwin_run()` gives. `result` is the whole RunResult; `run["yaw_rms_deg"]` is one figure."""
 
@@ -53,7 +49,7 @@ class CheckedRun:
         for one in judged:
             self._note(one.name, f"{one.value!r} {one.relation} {one.limit!r}")
         if not all(one.ok for one in judged):
-            raise ExpectationError(self._told(judged, wanted))
+            raise AssertionError(self._told(judged, wanted))
         return self
 
     def _judged(self, wanted: Mapping[str, Any]) -> Sequence[Expectation]:

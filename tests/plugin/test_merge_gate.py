@@ -1,18 +1,24 @@
-"""The worked example: a new board passes its gate; broken, it fails with a message that can be acted on."""
+"""The worked example of docs/ci.md: a new board passes its gate; broken, it fails with a useful message."""
 
 import re
 import shlex
 import subprocess
 import sys
+import textwrap
 from xml.etree import ElementTree
 
 import own_boards
 import pytest
 
+PAGE = (own_boards.ROOT / "docs/ci.md").read_text(encoding="utf-8")
+ADDED_LINE = "        attitude[1] = -attitude[1]\n"
 
-@pytest.fixture(scope="module")
-def repository(tmp_path_factory):
-    return own_boards.new_repository(tmp_path_factory.mktemp("gate"))
+
+def block(kind: str, containing: str = "") -> str:
+    """The first block of that kind on the page with that text in it."""
+    return next(
+        found for found in re.findall(rf"^```{kind}\n(.*?)^```$", PAGE, re.M | re.S) if containing in found
+    )
 
 
 @pytest.fixture(scope="module")
@@ -21,20 +27,28 @@ def environment(tmp_path_factory):
 
 
 @pytest.fixture(scope="module")
-def checked(repository, environment, tmp_path_factory):
-    """What CI does with the board as it was made."""
-    summary = tmp_path_factory.mktemp("page") / "summary.md"
+def checked(environment, tmp_path_factory):
+    """The commands of the page, as on CI: (what they said, the repository they made, the page of the job)."""
+    folder = tmp_path_factory.mktemp("gate")
+    summary = folder / "summary.md"
     summary.write_text("before\n")
     done = own_boards.call(
-        ["ci/navtwin.sh", "check"], repository, {**environment, "GITHUB_STEP_SUMMARY": str(summary)}
+        ["sh", "-e", "-c", block("sh")], folder, {**environment, "GITHUB_STEP_SUMMARY": str(summary)}
     )
-    return done, summary
+    return done, folder / "tilt_unit", summary
 
 
 @pytest.fixture(scope="module")
-def side_by_side(repository, environment, checked):
-    """Two of its tests in two processes of pytest-xdist."""
-    words = ["python", "-m", "pytest", "-n", "2", "-k", "seeds", "--navtwin-out", "build/workers"]
+def repository(checked):
+    return checked[1]
+
+
+@pytest.fixture(scope="module")
+def side_by_side(repository, environment):
+    """Tests in two processes of pytest-xdist, one of them the example of the page."""
+    example = textwrap.indent(block("python", "run.result"), "    ")
+    (repository / "tests/test_page.py").write_text(f"def test_page(navtwin_run):\n{example}")
+    words = ["python", "-m", "pytest", "-n", "2", "-k", "seeds or page", "--navtwin-out", "build/workers"]
     return own_boards.call(words, repository, environment)
 
 
@@ -43,22 +57,23 @@ def broken(repository, environment, side_by_side):
     """The same after a sign was lost in the program."""
     program = repository / "tilt_unit/program.py"
     text = program.read_text()
-    attitude = "attitude = self._f[kernels.EULER : kernels.EULER + 3].tolist()"
+    attitude = "        attitude = self._f[kernels.EULER : kernels.EULER + 3].tolist()\n"
     assert attitude in text
-    program.write_text(text.replace(attitude, f"{attitude}\n        attitude[1] = -attitude[1]"))
+    assert ADDED_LINE in PAGE
+    program.write_text(text.replace(attitude, attitude + ADDED_LINE))
     return own_boards.call(["python", "-m", "pytest", "-k", "seeds or deadlines"], repository, environment)
 
 
-def test_a_new_board_passes_its_gate(checked, repository):
-    done, summary = checked
+def test_a_new_board_passes_its_gate(checked):
+    done, repository, summary = checked
     assert done.returncode == 0, done.stdout
     assert "6 passed" in done.stdout
-    assert "all 5 expectations met" in done.stdout
+    assert done.stdout.count("all 5 expectations met") == 2
     assert summary.read_text() == "before\n" + (repository / "build/drive.md").read_text()
     assert "all 5 expectations met" in summary.read_text()
 
 
-def test_the_results_are_where_ci_looks_for_them(checked, repository):
+def test_the_results_are_where_ci_looks_for_them(repository):
     cases = ElementTree.parse(repository / "build/drive.xml").getroot().findall(".//testcase")
     assert len(cases) == 5
     tests = ElementTree.parse(repository / "build/tests.xml").getroot().findall(".//testcase")
@@ -71,9 +86,10 @@ def test_the_results_are_where_ci_looks_for_them(checked, repository):
 
 
 def test_workers_of_xdist_keep_their_runs_apart(side_by_side, repository):
-    assert "2 passed" in side_by_side.stdout
+    assert "3 passed" in side_by_side.stdout, side_by_side.stdout
     kept = sorted(path.relative_to(repository) for path in repository.glob("build/workers/*/*/report.html"))
-    assert [path.parts[2] for path in kept] == ["gw0", "gw1"]
+    assert {path.parts[2] for path in kept} == {"gw0", "gw1"}
+    assert len(kept) == 3
 
 
 def test_a_broken_program_fails_with_figure_value_limit_and_seed(broken):
@@ -84,7 +100,17 @@ def test_a_broken_program_fails_with_figure_value_limit_and_seed(broken):
     )
     assert re.search(r"OK       continuous_yaw_rms_deg +0\.", broken.stdout)
     assert "tilt_unit drive standard seed 2: 1 of 4 expectations NOT MET" in broken.stdout
-    assert "2 failed, 1 passed, 3 deselected" in broken.stdout  # deadlines are kept
+    assert "2 failed, 1 passed, 4 deselected" in broken.stdout  # deadlines are kept
+
+
+def test_the_page_shows_the_message(broken):
+    def shape(text: str) -> list[str]:
+        return [re.sub(r"\d+(\.\d+)?", "0", line).strip() for line in text.splitlines()]
+
+    shown, told = shape(block("text", "NOT MET")), shape(broken.stdout)
+    assert len(shown) == 7
+    begin = told.index(shown[0])
+    assert told[begin : begin + len(shown)] == shown
 
 
 def test_the_command_of_the_message_fails_in_the_same_way(broken, repository, environment):
