@@ -426,6 +426,7 @@ def test_reading_after_a_long_time_costs_one_block() -> None:
     rig.until(3_600_000 * MS)
     assert rig.sample()[3] == round(3.6 * 16384 / G)
     assert len(rig.world.calls) == calls + 1
+    assert rig.world.calls[-1][2] == 88
 
 
 def test_world_is_asked_in_long_blocks_after_a_first_short_one() -> None:
