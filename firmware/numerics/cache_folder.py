@@ -8,6 +8,7 @@ writes aside and renames, and each kernel has one signature, hence one content).
 """
 
 import contextlib
+import functools
 import hashlib
 import os
 import re
@@ -43,10 +44,15 @@ def kernel_cache_folder(versions: str) -> Path | None:
 
 def kernel_sources_hash(versions: str) -> str:
     """16 hex digits over the text of all kernel sources and `versions`."""
-    digest = hashlib.sha256(versions.encode())
+    return hashlib.sha256(versions.encode() + _digest_of_sources()).hexdigest()[:16]
+
+
+@functools.cache
+def _digest_of_sources() -> bytes:
+    digest = hashlib.sha256()
     for path in sorted(kernel_sources()):
         digest.update(str(path.relative_to(_PACKAGE_ROOT)).encode() + b"\0" + path.read_bytes() + b"\0")
-    return digest.hexdigest()[:16]
+    return digest.digest()
 
 
 def hash_of_folder_outside(source: Path) -> str:
