@@ -8,8 +8,8 @@ instantaneous values.
 
 A block is kept as one byte string with 16 bytes a grid sample: a zero (what the bus shows during the
 address byte), then the registers 0x0C … 0x1A after that sample: data and sensor time. Reading is slicing.
-Blocks are long because whatever runs seldom runs slowly, out of cold caches: asking for 0.9 s costs 190 µs,
-for 7 s 350 µs. The first after a set-up or a pause is short, since often another one follows.
+Blocks are long because whatever runs seldom runs slowly, out of cold caches: 0.9 s of samples cost 105 µs,
+7 s 360 µs. The first after a set-up or a pause is short, since often another one follows.
 """
 
 from __future__ import annotations
