@@ -108,7 +108,15 @@ def _cpu(board: AssembledBoard, name: str, processor: Processor) -> EmulatedCpu:
         for task_name, task in processor.tasks.items()
     ]
     error_ppb = round(processor.crystal_error_ppm * 1000)
-    return EmulatedCpu(board.time, name, processor.clock_hz, lines, processor.costs, error_ppb)
+    return EmulatedCpu(
+        board.time,
+        name,
+        processor.clock_hz,
+        lines,
+        processor.costs,
+        error_ppb,
+        processor.interrupt_entry_cycles,
+    )
 
 
 def _wires(board: AssembledBoard) -> None:

@@ -39,6 +39,8 @@ class Processor(Facts):
     clock_hz: int = Field(ge=1_000_000, le=10_000_000_000, examples=[168_000_000])
     program: str = Field(pattern=r"^[\w.]+:\w+$", examples=["firmware.apps.car_mems.program:program"])
     crystal_error_ppm: FiniteFloat = Field(default=0.0, ge=-500, le=500, examples=[8.0])
+    interrupt_entry_cycles: int = Field(default=12, ge=0, le=10_000_000, examples=[12])
+    """From an interrupt's acceptance to the first instruction of its handler; 12 is a Cortex-M's own."""
     tasks: dict[str, Task] = Field(min_length=1)
     costs: dict[str, PositiveInt] = {}
 

@@ -53,6 +53,7 @@ class EmulatedCpu:
         lines: Sequence[LineSpec] = (),
         costs: Mapping[str, int] | None = None,
         crystal_error_ppb: int = 0,
+        interrupt_entry_cycles: int = INTERRUPT_ENTRY_CYCLES,
     ) -> None:
         self.time = time
         self.name = name
@@ -79,7 +80,7 @@ class EmulatedCpu:
         self._greenlet: greenlet | None = None
         self._reset_cause = ""
         self._durations: dict[int, int] = {}
-        self._entry_ns = self._duration(INTERRUPT_ENTRY_CYCLES)
+        self._entry_ns = self._duration(interrupt_entry_cycles)
         self._access_ns = self._duration(ACCESS_CYCLES)
         self.lines = self._make_lines(lines)
         self._by_bit = {line.bit: line for line in self.lines.values()}

@@ -23,7 +23,16 @@ MAIN = {
     "deadline_misses": "deadline misses",
     "overruns": "overruns",
 }
-COLUMNS_OF_A_SWEEP = tuple(MAIN)[:7]
+SIDE_BY_SIDE = {
+    "position_horizontal_rms_m": "horizontal, m",
+    "velocity_rms_mps": "velocity, m/s",
+    "roll_rms_deg": "roll, °",
+    "pitch_rms_deg": "pitch, °",
+    "yaw_rms_deg": "yaw, °",
+    "nees_mean": "NEES",
+    "deadline_misses": "misses",
+    "overruns": "overruns",
+}
 FAILURES_SHOWN = 10
 
 
@@ -75,13 +84,14 @@ def _expectations(summary: Summary) -> Section:
 
 
 def _comparison(summary: Summary) -> Section:
-    names = [name for name in COLUMNS_OF_A_SWEEP if any(name in one.figures for one in summary.setups)]
+    names = [name for name in SIDE_BY_SIDE if any(name in one.figures for one in summary.setups)]
     rows = tuple(
         (one.setup.label, count(one.runs), *(_mean(one.figures.get(name)) for name in names))
         for one in summary.setups
     )
-    columns = ("set-up", "runs", *(MAIN[name] for name in names))
-    return Section("Set-ups side by side", columns, rows, note="mean, ± half of its 95 % interval")
+    columns = ("set-up", "runs", *(SIDE_BY_SIDE[name] for name in names))
+    note = "RMS errors, deadline misses and lost requests: mean, ± half of its 95 % interval"
+    return Section("Set-ups side by side", columns, rows, note=note)
 
 
 def _mean(value: Spread | None) -> str:

@@ -88,6 +88,6 @@ def campaign_command(
 
         asked = ask(board, scenario, seeds, profile, changes, data)
         outputs = Outputs(out, json, markdown, quiet, pass_share, baseline, tolerance)
-        return execute(asked, outputs, workers, scheduler, kind="campaign")
+        return execute(asked, outputs, workers, scheduler)
 
     guarded(command)

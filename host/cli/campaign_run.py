@@ -17,8 +17,10 @@ from host.campaign.folder import REPORT, RESULT, SUMMARY
 from host.campaign.identity import campaign_manifest
 from host.campaign.page import render
 from host.campaign.plan import Plan, parse_changes, parse_seeds, parse_values
+from host.campaign.series import course
 from host.campaign.summary import Summary, summarised
 from host.campaign.tables import sections, verdict
+from host.campaign.work import Reduce
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.run_command import print_comparison
 from host.cli.terminal import print_section, standard_error, standard_output
@@ -58,8 +60,16 @@ def ask(
     return make_plan(board, scenario, chosen, parse_seeds(seeds), fixed, swept, data)
 
 
-def execute(plan: Plan, outputs: Outputs, workers: int | None, scheduler: str | None, kind: str) -> int:
-    """Run the campaign, or what is left of it. Returns the exit code. Raises UserError."""
+def execute(plan: Plan, outputs: Outputs, workers: int | None, scheduler: str | None) -> int:
+    """`navtwin campaign`. Returns the exit code. Raises UserError."""
+    _, ok = run_and_tell(plan, outputs, workers, scheduler, "campaign")
+    return EXIT_MET if ok else EXIT_NOT_MET
+
+
+def run_and_tell(
+    plan: Plan, outputs: Outputs, workers: int | None, scheduler: str | None, kind: str
+) -> tuple[Finished, bool]:
+    """Run the campaign, or what is left of it; write, print and judge. Raises UserError."""
     share = parse_share(outputs.pass_share)
     tolerance = parse_tolerance(outputs.tolerance)
     baseline = None if outputs.baseline is None else read_baseline(outputs.baseline)
@@ -77,25 +87,23 @@ def execute(plan: Plan, outputs: Outputs, workers: int | None, scheduler: str | 
     ok = summary.ok(share) and (comparison is None or comparison.ok)
     _write(finished, summary, comparison, outputs, share, ok)
     _print(finished, summary, comparison, outputs)
-    return EXIT_MET if ok else EXIT_NOT_MET
+    return finished, ok
 
 
-def make_executor(workers: int | None, scheduler: str | None) -> Executor:
+def make_executor(workers: int | None, scheduler: str | None, reduce: Reduce = course) -> Executor:
     """Local processes, or a cluster. Raises UserError."""
-    from host.campaign.series import course
-
     if scheduler is not None:
         from host.campaign.cluster import Cluster
 
         if workers is not None:
             raise UserError("--workers: the cluster of --scheduler has its own; leave one of the two out")
-        return Cluster(scheduler, course)
+        return Cluster(scheduler, reduce)
     from host.campaign.pool import LocalPool
 
     count = workers if workers is not None else len(os.sched_getaffinity(0))
     if not 1 <= count <= MOST_WORKERS:
         raise UserError(f"--workers {count}: must lie in 1 … {MOST_WORKERS}; for example --workers 4")
-    return LocalPool(count, course)
+    return LocalPool(count, reduce)
 
 
 def default_folder(plan: Plan, kind: str) -> Path:

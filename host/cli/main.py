@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from host.cli import baseline_command, campaign_command
+from host.cli import baseline_command, campaign_command, faults_command, sweep_command
 from host.cli.exit_codes import EXIT_INTERRUPTED, guarded
 from host.cli.new_command import app as new_app
 
@@ -145,6 +145,8 @@ def run_command(
 
 
 app.command("campaign")(campaign_command.campaign_command)
+app.command("sweep")(sweep_command.sweep_command)
+app.command("faults")(faults_command.faults_command)
 app.add_typer(baseline_command.app, name="baseline")
 
 

@@ -85,7 +85,7 @@ def _place(fault: Fault, board: AssembledBoard, sights: dict[str, ReceiverSight]
     end = FAR if fault.duration_s is None else start + round(fault.duration_s * SECOND)
     try:
         return Placed(fault, maker(Site(fault, board, start, end, seed)))
-    except (TypeError, ValueError, KeyError) as error:
+    except (TypeError, ValueError, KeyError, AttributeError) as error:
         raise UserError(f"fault {name_of(fault)!r} ({fault.kind}): {error}") from None
 
 

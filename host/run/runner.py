@@ -31,7 +31,6 @@ from host.score.expectations import check_names
 from host.score.rules import ScoringRules
 from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.load import source_text
-from host.sim.scenario.schema import Scenario
 from host.sim.world import World
 
 CHUNK_NS = 40 * SECOND
@@ -81,11 +80,14 @@ def _prepared(request: RunRequest) -> tuple[Setup, World]:
     return setup, world
 
 
-def check(request: RunRequest) -> Scenario:
-    """Do all that comes before virtual time, kernels included, and nothing more. Raises UserError."""
+def check(request: RunRequest) -> float:
+    """Do all that comes before virtual time, kernels included, and nothing more. Raises UserError.
+
+    Returns how long the run will be, s of virtual time.
+    """
     setup, world = _prepared(request)
     _make_ready(request, setup, world).surroundings.close()
-    return setup.scenario
+    return world.duration_ns / SECOND
 
 
 @dataclass(frozen=True)

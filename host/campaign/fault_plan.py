@@ -1,0 +1,117 @@
+"""Every kind of fault at every place of a board where it can strike."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+
+from boards.description import Board
+from host.campaign.plan import Plan
+from host.record.command_line import toml
+from host.record.errors import UserError
+from host.record.result import RunRequest
+from host.run.faults import KINDS
+from host.sim.gnss.faults import POSITION_JUMP, TIME_JUMP
+
+NO_FAULT = "[]"
+
+
+@dataclass(frozen=True, slots=True)
+class Strike:
+    """One fault of the sheet."""
+
+    kind: str
+    target: str
+    at_s: float
+    duration_s: float | None
+    parameters: tuple[tuple[str, float], ...] = ()
+
+    def as_value(self) -> str:
+        """The scenario's list of faults with this one alone, as `--set fault=…` takes it."""
+        fault: dict[str, object] = {"kind": self.kind, "target": self.target, "at_s": self.at_s}
+        if self.duration_s is not None:
+            fault["duration_s"] = self.duration_s
+        if self.parameters:
+            fault["parameters"] = dict(self.parameters)
+        return toml([fault])
+
+
+def strikes(board: Board, at_s: float, duration_s: float) -> Iterator[Strike]:
+    """All faults of a board, in the order of kinds, then of the board's parts."""
+    for kind in (*KINDS, TIME_JUMP, POSITION_JUMP):
+        at_once = kind in AT_ONCE
+        for target in TARGETS[kind](board):
+            yield Strike(kind, target, at_s, None if at_once else duration_s, PARAMETERS.get(kind, ()))
+
+
+def possible(plan: Plan, wanted: Iterator[Strike]) -> tuple[list[Strike], list[tuple[Strike, str]]]:
+    """Those that the board can take, and those that it cannot, with the reason."""
+    from host.run.runner import check
+
+    can: list[Strike] = []
+    cannot: list[tuple[Strike, str]] = []
+    usual = plan.request(next(plan.setups()), plan.seeds[0])
+    check(usual)
+    for strike in wanted:
+        try:
+            check(_with(usual, strike))
+            can.append(strike)
+        except UserError as error:
+            cannot.append((strike, str(error)))
+    return can, cannot
+
+
+def _with(request: RunRequest, strike: Strike) -> RunRequest:
+    return replace(request, overrides=(*request.overrides, f"fault={strike.as_value()}"))
+
+
+def _spi_devices(board: Board) -> list[str]:
+    return [
+        chip.name or refdes
+        for refdes, chip in board.chips.items()
+        if chip.bus is not None and board.buses[chip.bus].kind == "spi"
+    ]
+
+
+def _chips(board: Board) -> list[str]:
+    return list(board.chips)
+
+
+def _lines_from_chips(board: Board) -> list[str]:
+    """UARTs at which a chip talks to the processor; nothing comes in at the others."""
+    return [chip.uart for chip in board.chips.values() if chip.uart is not None]
+
+
+def _receivers(board: Board) -> list[str]:
+    return [refdes for refdes, chip in board.chips.items() if chip.world == "gnss"]
+
+
+def _processors(board: Board) -> list[str]:
+    return list(board.processors)
+
+
+TARGETS: dict[str, Callable[[Board], list[str]]] = {
+    "spi-bit-errors": _spi_devices,
+    "spi-missing": _spi_devices,
+    "spi-register": _spi_devices,
+    "chip-reset": _chips,
+    "chip-off": _chips,
+    "uart-cut": _lines_from_chips,
+    "uart-bit-errors": _lines_from_chips,
+    "uart-truncation": _lines_from_chips,
+    "uart-wrong-baud": _lines_from_chips,
+    "uart-garbage": _lines_from_chips,
+    "can-disturbance": lambda board: list(board.can),
+    "log-removed": lambda board: list(board.logs),
+    "nav-nan": _processors,
+    "cpu-reset": _processors,
+    TIME_JUMP: _receivers,
+    POSITION_JUMP: _receivers,
+}
+AT_ONCE = ("chip-reset", "uart-garbage", "nav-nan", "cpu-reset")
+"""Faults that have no duration."""
+PARAMETERS: dict[str, tuple[tuple[str, float], ...]] = {
+    TIME_JUMP: (("offset_s", 3600.0),),
+    POSITION_JUMP: (("north_m", 100.0),),
+    "uart-garbage": (("length", 20_000),),
+}

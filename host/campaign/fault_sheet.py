@@ -1,0 +1,113 @@
+"""The sheet of all faults: fired, detected after, effect, recovered; as table, CSV and HTML."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from host.campaign.campaign import Finished
+from host.campaign.fault_effect import Effect, effect
+from host.campaign.fault_plan import Strike
+from host.campaign.page import heading, provenance
+from host.campaign.row import FINISHED
+from host.record.errors import UserError
+from host.report.html import document, table
+from host.report.numbers import NONE, number
+from host.report.summary import Section
+
+COLUMNS = (
+    *("fault", "target", "at_s", "for_s", "parameters", "fired", "detected_after_s", "said"),
+    *("worst_error_m", "usual_error_m", "without_solution_s", "degraded_s", "recovered_after_s"),
+    *("verdict", "error"),
+)
+
+
+def effects(finished: Finished, strikes: Sequence[Strike]) -> list[Effect]:
+    """The line of each fault; the first run of the campaign is the one without. Raises UserError."""
+    usual, *runs = finished.outcomes
+    if usual.row["status"] != FINISHED:
+        raise UserError(f"the run without a fault did not reach its end: {usual.row['error']}")
+    made = []
+    for strike, run in zip(strikes, runs, strict=True):
+        if run.row["status"] == FINISHED:
+            made.append(effect(strike, run.series, usual.series))
+        else:
+            nothing = Effect(strike, 0, None, "", None, None, 0.0, 0.0, None, str(run.row["error"]))
+            made.append(nothing)
+    return made
+
+
+def verdict(found: Sequence[Effect]) -> str:
+    """One line."""
+    told = sum(one.detected_after_s is not None for one in found)
+    survived = sum(one.ok for one in found)
+    return f"{survived} of {len(found)} faults struck and were recovered from; the board told of {told}"
+
+
+def section(found: Sequence[Effect]) -> Section:
+    """The table for people."""
+    rows = tuple(
+        (
+            one.strike.kind,
+            one.strike.target,
+            one.said or NONE,
+            one.verdict,
+            number(one.fired),
+            number(one.detected_after_s),
+            number(one.worst_error_m),
+            number(one.usual_error_m),
+            number(one.without_solution_s),
+            number(one.recovered_after_s),
+        )
+        for one in found
+    )
+    columns = (
+        *("fault", "target", "the board's first word", "verdict", "fired", "detected after, s"),
+        *("worst error, m", "without fault, m", "no solution, s", "recovered after, s"),
+    )
+    note = (
+        "errors: largest horizontal error of a navigation solution from the strike to the end of the run;"
+        " recovered: solutions without a gap, no more than 5 m worse than without the fault"
+    )
+    return Section("Faults", columns, rows, words=4, note=note)
+
+
+def left_out(cannot: Sequence[tuple[Strike, str]]) -> Section:
+    """Faults that this board cannot take."""
+    rows = tuple((strike.kind, strike.target, reason) for strike, reason in cannot)
+    return Section("Not possible on this board", ("fault", "target", "why"), rows, words=3)
+
+
+def sheet_csv(found: Sequence[Effect]) -> str:
+    """A line for each fault; what never happened is empty."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for one in found:
+        strike = one.strike
+        parameters = " ".join(f"{name}={value:g}" for name, value in strike.parameters)
+        given = (strike.kind, strike.target, strike.at_s, strike.duration_s, parameters)
+        told = (one.fired, _rounded(one.detected_after_s), one.said)
+        measured = (
+            *(one.worst_error_m, one.usual_error_m, one.without_solution_s, one.degraded_s),
+            one.recovered_after_s,
+        )
+        writer.writerow([*given, *told, *map(_rounded, measured), one.verdict, one.error])
+    return text.getvalue()
+
+
+def sheet_page(
+    manifest: Mapping[str, Any], found: Sequence[Effect], cannot: Sequence[tuple[Strike, str]]
+) -> str:
+    """The sheet as a page of its own."""
+    kind = "good" if all(one.ok for one in found) else "bad"
+    tables = [section(found), left_out(cannot)]
+    body = [heading(manifest, verdict(found), kind)]
+    body += [table(one) for one in tables if one.rows]
+    return document(f"{manifest['board']} · faults", [*body, provenance(manifest)], "")
+
+
+def _rounded(value: float | None) -> str:
+    return "" if value is None else f"{value:.3f}"
