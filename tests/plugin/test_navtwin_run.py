@@ -188,7 +188,8 @@ def test_the_command_asks_for_the_same_run(scenario, profile, seed, overrides):
         return 0
 
     module = types.ModuleType("host.cli.run_command")
-    module.execute, module.Outputs = execute, dict  # type: ignore[attr-defined]
+    module.execute = execute  # type: ignore[attr-defined]
+    module.Outputs = lambda *_, **__: None  # type: ignore[attr-defined]
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(sys.modules, "host.cli.run_command", module)
         assert CliRunner().invoke(app, words).exit_code == 0
