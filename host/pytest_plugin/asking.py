@@ -56,19 +56,26 @@ class Asking:
             raise UserError('no board; for example @pytest.mark.navtwin(board="car_mems", scenario="town")')
         scenario, data = chosen.get("scenario"), chosen.get("data")
         return RunRequest(
-            board=self._place(chosen["board"]),
-            scenario=None if scenario is None else self._place(scenario),
+            board=self._board(str(chosen["board"])),
+            scenario=None if scenario is None else self._scenario(str(scenario)),
             profile=chosen.get("profile"),
             seed=_seed(chosen.get("seed", 1)),
             overrides=_overrides(chosen["overrides"], chosen.get("faults")),
-            data_dir=None if data is None else Path(self._place(data)),
+            data_dir=None if data is None else self._config.rootpath / data,
             capture=False,
         )
 
-    def _place(self, name_or_path: str | Path) -> str:
-        """A path below the rootdir where there is one; else the name as it is."""
+    def _board(self, name_or_path: str) -> str:
+        """A board below the rootdir where there is one; else the name as it is."""
         below = self._config.rootpath / name_or_path
-        return str(below) if below.exists() else str(name_or_path)
+        holds_one = any((below / file).is_file() for file in ("board.toml", "pyproject.toml"))
+        return str(below) if holds_one or below.is_file() else name_or_path
+
+    def _scenario(self, name_or_path: str) -> str:
+        """A name stays; a path, which shows by its ending or its folder, is below the rootdir."""
+        path = Path(name_or_path)
+        is_path = path.suffix == ".toml" or path.parent != Path()
+        return str(self._config.rootpath / path) if is_path else name_or_path
 
     def _result(self, request: RunRequest) -> RunResult:
         made = self._config.stash.setdefault(_RESULTS, {})

@@ -81,6 +81,11 @@ class TestMarks:
         assert requests[0].scenario == str(ROOT / "boards/car_mems/scenarios/town.toml")
 
 
+def test_a_folder_that_is_called_like_a_board_or_scenario_is_not_meant(navtwin_run, requests):
+    navtwin_run("tests", scenario="docs")
+    assert (requests[0].board, requests[0].scenario) == ("tests", "docs")
+
+
 def test_equal_runs_are_made_once_in_a_session(navtwin_run, requests):
     first = navtwin_run("tilt", seed=21)
     assert navtwin_run("tilt", seed=21).result is first.result
