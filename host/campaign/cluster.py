@@ -23,7 +23,7 @@ from host.campaign.row import failed
 from host.campaign.work import Reduce, work
 from host.record.errors import UserError
 
-PATIENCE_S = 10
+PATIENCE_S = 5
 EXAMPLE = "for example --scheduler tcp://192.168.1.10:8786"
 SCHEMES = ("tcp://", "tls://", "ws://", "wss://", "ucx://")
 
@@ -48,7 +48,7 @@ class Cluster:
         try:
             self._must_have_our_sources(client, board_folder(listed[0].request.board))
             futures = {client.submit(work, job, self._reduce, pure=False): job for job in listed}
-            for future in as_completed(list(futures)):
+            for future in as_completed(list(futures), loop=client.loop):
                 yield self._outcome(future, futures.pop(future))
         except (CancelledError, asyncio.CancelledError, OSError) as error:
             raise UserError(

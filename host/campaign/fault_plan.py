@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from boards.description import Board
 from host.campaign.plan import Plan
 from host.record.command_line import toml
-from host.record.errors import UserError
+from host.record.errors import UserError, did_you_mean
 from host.record.result import RunRequest
 from host.run.faults import KINDS
-from host.sim.gnss.faults import POSITION_JUMP, TIME_JUMP
+from host.sim.gnss.faults import GNSS_FAULT_KINDS, POSITION_JUMP, TIME_JUMP
 
 NO_FAULT = "[]"
 
@@ -36,15 +36,19 @@ class Strike:
         return toml([fault])
 
 
-def strikes(board: Board, at_s: float, duration_s: float) -> Iterator[Strike]:
-    """All faults of a board, in the order of kinds, then of the board's parts."""
-    for kind in (*KINDS, TIME_JUMP, POSITION_JUMP):
+def strikes(board: Board, at_s: float, duration_s: float, only: Sequence[str] = ()) -> Iterator[Strike]:
+    """All faults of a board, in the order of kinds, then of the board's parts; or `only` some kinds."""
+    kinds = (*KINDS, *GNSS_FAULT_KINDS)
+    for kind in only:
+        if kind not in kinds:
+            raise UserError(f"--only {kind}: no such kind of fault; {did_you_mean(kind, kinds)}")
+    for kind in (kind for kind in kinds if not only or kind in only):
         at_once = kind in AT_ONCE
         for target in TARGETS[kind](board):
             yield Strike(kind, target, at_s, None if at_once else duration_s, PARAMETERS.get(kind, ()))
 
 
-def possible(plan: Plan, wanted: Iterator[Strike]) -> tuple[list[Strike], list[tuple[Strike, str]]]:
+def possible(plan: Plan, wanted: Iterable[Strike]) -> tuple[list[Strike], list[tuple[Strike, str]]]:
     """Those that the board can take, and those that it cannot, with the reason."""
     from host.run.runner import check
 

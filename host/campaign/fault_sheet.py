@@ -23,6 +23,8 @@ COLUMNS = (
     *("verdict", "error"),
 )
 
+WORDS_SHOWN = 36
+
 
 def effects(finished: Finished, strikes: Sequence[Strike]) -> list[Effect]:
     """The line of each fault; the first run of the campaign is the one without. Raises UserError."""
@@ -52,7 +54,7 @@ def section(found: Sequence[Effect]) -> Section:
         (
             one.strike.kind,
             one.strike.target,
-            one.said or NONE,
+            _short(one.said) or NONE,
             one.verdict,
             number(one.fired),
             number(one.detected_after_s),
@@ -107,6 +109,10 @@ def sheet_page(
     body = [heading(manifest, verdict(found), kind)]
     body += [table(one) for one in tables if one.rows]
     return document(f"{manifest['board']} · faults", [*body, provenance(manifest)], "")
+
+
+def _short(text: str) -> str:
+    return text if len(text) <= WORDS_SHOWN else text[: WORDS_SHOWN - 2].rstrip(" :,") + " …"
 
 
 def _rounded(value: float | None) -> str:

@@ -24,6 +24,9 @@ def faults_command(
     duration_s: Annotated[
         float, typer.Option("--for", metavar="S", help="How long those last that last.")
     ] = 10.0,
+    only: Annotated[
+        str | None, typer.Option("--only", metavar="KIND,KIND", help="Default: every kind of fault.")
+    ] = None,
     changes: Changes = None,
     workers: Workers = None,
     scheduler: Scheduler = None,
@@ -42,7 +45,9 @@ def faults_command(
     def command() -> int:
         from host.cli.faults_run import FaultRequest, execute_faults
 
-        asked = FaultRequest(board, scenario, seed, profile, at_s, duration_s, tuple(changes or ()), data)
+        asked = FaultRequest(
+            board, scenario, seed, profile, at_s, duration_s, only, tuple(changes or ()), data
+        )
         return execute_faults(asked, out, workers, scheduler, quiet)
 
     guarded(command)

@@ -10,7 +10,7 @@ from host.campaign.campaign import run_campaign
 from host.campaign.fault_effect import fault_course
 from host.campaign.fault_plan import NO_FAULT, possible, strikes
 from host.campaign.fault_sheet import effects, left_out, section, sheet_csv, sheet_page, verdict
-from host.campaign.plan import Plan
+from host.campaign.plan import Plan, parse_values
 from host.cli.campaign_run import ask, default_folder, make_executor, progress_bar
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.terminal import print_section, standard_error, standard_output
@@ -30,6 +30,7 @@ class FaultRequest:
     profile: str | None
     at_s: float | None
     duration_s: float
+    only: str | None
     changes: tuple[str, ...]
     data: Path | None
 
@@ -45,7 +46,9 @@ def execute_faults(
         raise UserError("faults take one profile and one value of each --set; for several: navtwin campaign")
     plan = replace(plan, fixed=tuple(change for change in plan.fixed if not change.startswith("fault=")))
     at_s = _strike_time(plan) if asked.at_s is None else asked.at_s
-    can, cannot = possible(plan, strikes(load_board(plan.board), at_s, asked.duration_s))
+    only = parse_values(asked.only, f"--only {asked.only}") if asked.only else ()
+    wanted = list(strikes(load_board(plan.board), at_s, asked.duration_s, only))
+    can, cannot = possible(plan, wanted)
     if not can:
         raise UserError(
             f"no fault can strike: {cannot[0][1]}" if cannot else "the board has nothing to break"

@@ -8,9 +8,12 @@ from typing import Annotated
 
 import typer
 
-from host.cli import baseline_command, campaign_command, faults_command, sweep_command
+from host.cli.baseline_command import app as baseline_app
+from host.cli.campaign_command import Baseline, Tolerance, campaign_command
 from host.cli.exit_codes import EXIT_INTERRUPTED, guarded
+from host.cli.faults_command import faults_command
 from host.cli.new_command import app as new_app
+from host.cli.sweep_command import sweep_command
 
 EXAMPLES = (
     ("navtwin boards", "what there is to run"),
@@ -18,6 +21,7 @@ EXAMPLES = (
     ("navtwin run car_mems --scenario outages --seed 7", "another one, other noise"),
     ("navtwin run car_mems --set gnss.latency_s=0.1", "with one value changed"),
     ("navtwin run car_mems -s ./drive.toml --json - -q", "your own, for a program"),
+    ("navtwin campaign car_mems --seeds 1-200", "many runs, and their spread"),
 )
 EPILOG = "\n".join(
     ["\b", "Examples:"]
@@ -115,8 +119,8 @@ def run_command(
     markdown: Annotated[
         Path | None, typer.Option("--markdown", metavar="FILE", help="A summary for the page of a merge.")
     ] = None,
-    baseline: campaign_command.Baseline = None,
-    tolerance: campaign_command.Tolerance = "5%",
+    baseline: Baseline = None,
+    tolerance: Tolerance = "5%",
     no_capture: Annotated[bool, typer.Option("--no-capture", help="Leave out run.mcap.")] = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no tables.")] = False,
 ) -> None:
@@ -144,10 +148,10 @@ def run_command(
     guarded(command)
 
 
-app.command("campaign")(campaign_command.campaign_command)
-app.command("sweep")(sweep_command.sweep_command)
-app.command("faults")(faults_command.faults_command)
-app.add_typer(baseline_command.app, name="baseline")
+app.command("campaign")(campaign_command)
+app.command("sweep")(sweep_command)
+app.command("faults")(faults_command)
+app.add_typer(baseline_app, name="baseline")
 
 
 def main() -> None:
