@@ -22,7 +22,7 @@ EdgeListener = Callable[[], None]
 class Net:
     """One wire of the board. `level` is its electrical level now."""
 
-    __slots__ = ("_edges", "_listeners", "level", "name", "on_first_listener", "time")
+    __slots__ = ("_edges", "_listeners", "level", "name", "on_first_listener", "tape", "time")
 
     def __init__(self, time: VirtualTime, name: str, level: bool = False) -> None:
         self.time = time
@@ -30,6 +30,9 @@ class Net:
         self.level = level
         self.on_first_listener: Callable[[], None] | None = None
         """Set by a lazy driver: called when `listened` becomes true, before the listener looks at `level`."""
+        self.tape: list[int] | None = None
+        """Every change of the level as 2·time + level, for a capture. It is no listener: lazy drivers do not
+        care for it."""
         self._listeners: tuple[Listener, ...] = ()
         self._edges: tuple[tuple[EdgeListener, ...], tuple[EdgeListener, ...]] = ((), ())
         """Who hears of falling and of rising edges only: an edge that nobody waits for costs no call."""
@@ -44,6 +47,8 @@ class Net:
         if level == self.level:
             return
         self.level = level
+        if self.tape is not None:
+            self.tape.append(2 * self.time.now + level)
         for edge_listener in self._edges[level]:
             edge_listener()
         if self._listeners:

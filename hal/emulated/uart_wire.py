@@ -164,6 +164,20 @@ class UartWire:
             receiver.announce(noise)
         return noise.end
 
+    # -- replay ------------------------------------------------------------------------------------
+
+    def relay(self, piece: SentBytes) -> None:
+        """Tell the receivers now of bytes that were on a line elsewhere, at the instants they had there."""
+        self.bytes_sent += len(piece.data)
+        self._line_ns += piece.end - piece.begin
+        self._end = max(self._end, piece.end)
+        for receiver in self._receivers:
+            receiver.announce(piece)
+
+    def retract(self, begin_from: int) -> None:
+        """Bytes relayed that begin at `begin_from` or later do not come after all."""
+        self._lose_from(begin_from)
+
     # ----------------------------------------------------------------------------------------------
 
     def _put_on_line(self, data: bytes) -> None:

@@ -3,11 +3,18 @@
 All numbers are little endian, records follow one another without padding:
 
     SPI     start_ns i64 | duration_ns u32 | n u32 | n bytes MOSI | n bytes MISO
+    line    told_ns i64 | start_ns i64 | first u32 | baud u32 | n u32 | n bytes
     UART    end_ns i64 | n u32 | n bytes
     CAN     end_ns i64 | identifier u32, bit 31: 29-bit identifier | n u8 | n bytes
+    pin     2·time_ns + level i64
+    mark    time_ns i64
 
-Times are virtual time in ns. A SPI record is one chip-select low period; a UART record is a run of bytes of
-which the last one ended at `end_ns`; a CAN record is a data frame that ended on the bus at `end_ns`.
+Times are virtual time in ns. A SPI record is one chip-select low period. A line record tells the receiving
+end of a UART what was put on the line at `told_ns`: bytes `first`, `first` + 1, … of a run that began at
+`start_ns`, so that byte k of the record ends at start_ns + ⌊(first + k + 1)·10¹⁰ / baud⌋; with `baud` 0 it
+takes back whatever begins at `start_ns` or later. A UART record is a run of bytes of which the last one
+ended at `end_ns`; a CAN record is a data frame that ended on the bus at `end_ns`; a pin record is a change of
+a net's level. A mark says that everything up to its time is in the file.
 """
 
 from __future__ import annotations
@@ -23,8 +30,12 @@ from hal.can import CanFrame
 SPI_HEAD = struct.Struct("<qII")
 UART_HEAD = struct.Struct("<qI")
 CAN_HEAD = struct.Struct("<qIB")
+LINE_HEAD = struct.Struct("<qqIII")
+PIN = MARK = struct.Struct("<q")
 FIRST_TIME = struct.Struct("<q")
 
+FRAME_NS = 10_000_000_000
+"""Ten bits at one baud."""
 EXTENDED = 1 << 31
 WORTH_ARRAYS = 50
 """CAN records from which on arrays are faster than a record at a time."""
@@ -35,8 +46,11 @@ ENCODING = "x-navtwin-block"
 
 SCHEMAS = {
     "navtwin.SpiBlock": "start_ns i64, duration_ns u32, n u32, mosi u8[n], miso u8[n]; repeated",
+    "navtwin.LineBlock": "told_ns i64, start_ns i64, first u32, baud u32, n u32, data u8[n]; repeated",
     "navtwin.UartBlock": "end_ns i64, n u32, data u8[n]; repeated",
     "navtwin.CanBlock": "end_ns i64, identifier u32 (bit 31: extended), n u8, data u8[n]; repeated",
+    "navtwin.PinBlock": "2*time_ns+level i64; repeated",
+    "navtwin.Mark": "time_ns i64: everything up to here is in the file",
 }
 
 
@@ -72,12 +86,55 @@ class CanMessage:
     data: bytes
 
 
-Traffic = SpiTransaction | UartChunk | CanMessage
+@dataclass(frozen=True, slots=True)
+class LinePiece:
+    """Bytes on the line into a processor's UART, at the rate at which they were sent."""
+
+    port: str
+    told_ns: int
+    """When they were queued."""
+    start_ns: int
+    first: int
+    baud: int
+    data: bytes
+
+    @property
+    def end_ns(self) -> int:
+        """End of the last byte's stop bit."""
+        return self.start_ns + (self.first + len(self.data)) * FRAME_NS // self.baud
+
+
+@dataclass(frozen=True, slots=True)
+class LineCut:
+    """The transmitter stopped: bytes told before that begin at `begin_ns` or later did not come."""
+
+    port: str
+    told_ns: int
+    begin_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class PinEdge:
+    """A change of a net's level."""
+
+    net: str
+    time_ns: int
+    level: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """Everything up to `time_ns` has been read."""
+
+    time_ns: int
+
+
+Traffic = SpiTransaction | LinePiece | LineCut | UartChunk | CanMessage | PinEdge | Mark
 
 
 def unpack(schema: str, topic: str, block: bytes) -> Iterator[Traffic]:
     """The records of one block, in their order. ValueError when the block ends inside a record."""
-    read = {"navtwin.SpiBlock": _spi, "navtwin.UartBlock": _uart, "navtwin.CanBlock": _can}[schema]
+    read = READERS[schema]
     place = 0
     while place < len(block):
         try:
@@ -124,6 +181,14 @@ def can_topic(bus: str) -> str:
     return f"/can/{bus}"
 
 
+def pin_topic(net: str) -> str:
+    """Topic of a net."""
+    return f"/pin/{net}"
+
+
+MARK_TOPIC = "/recorded"
+
+
 def _spi(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
     start_ns, duration_ns, n = SPI_HEAD.unpack_from(block, place)
     mosi = place + SPI_HEAD.size
@@ -145,3 +210,31 @@ def _can(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
     extended = bool(identifier & EXTENDED)
     bus = topic.split("/")[2]
     return CanMessage(bus, end_ns, identifier & ~EXTENDED, extended, block[data : data + n]), data + n
+
+
+def _line(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
+    told_ns, start_ns, first, baud, n = LINE_HEAD.unpack_from(block, place)
+    data = place + LINE_HEAD.size
+    port = topic.split("/")[2]
+    if baud == 0:
+        return LineCut(port, told_ns, start_ns), data + n
+    return LinePiece(port, told_ns, start_ns, first, baud, block[data : data + n]), data + n
+
+
+def _pin(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
+    (change,) = PIN.unpack_from(block, place)
+    return PinEdge(topic.split("/", 2)[2], change >> 1, bool(change & 1)), place + PIN.size
+
+
+def _mark(_topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
+    return Mark(*MARK.unpack_from(block, place)), place + MARK.size
+
+
+READERS = {
+    "navtwin.SpiBlock": _spi,
+    "navtwin.LineBlock": _line,
+    "navtwin.UartBlock": _uart,
+    "navtwin.CanBlock": _can,
+    "navtwin.PinBlock": _pin,
+    "navtwin.Mark": _mark,
+}

@@ -22,6 +22,8 @@ from host.capture.blocks import SCHEMAS, Traffic, unpack
 from host.record.errors import UserError
 
 LONGEST_RECORD = 1 << 30
+FIRST_FORMAT = "navtwin-capture-1"
+"""Of captures that name none: no pins, no marks, lines into the board with the ends of their bytes only."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +44,8 @@ class CaptureReader:
         self.summary: dict[str, str] | None = None
         """The metadata that a finished run wrote at its end; None for one that was cut off."""
         self.complete = False
+        self.format = FIRST_FORMAT
+        """Of the raw topics; known as soon as the first record has been given."""
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
 
@@ -82,6 +86,8 @@ class CaptureReader:
             self.manifest = json.loads(record.data)
         elif isinstance(record, Metadata) and record.name == "end":
             self.summary = dict(record.metadata)
+        elif isinstance(record, Metadata) and record.name == "capture":
+            self.format = record.metadata["format"]
 
     def _message(self, message: Message) -> Iterator[Traffic | Decoded]:
         channel = self._channels[message.channel_id]

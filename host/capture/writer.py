@@ -13,6 +13,7 @@ version of a library. The index at the end of an MCAP file is collected in memor
 from __future__ import annotations
 
 import json
+from array import array
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -24,16 +25,22 @@ from numpy.typing import NDArray
 from host.capture.blocks import (
     ENCODING,
     FIRST_TIME,
+    LINE_HEAD,
+    MARK,
+    MARK_TOPIC,
     SCHEMAS,
     SPI_HEAD,
     UART_HEAD,
     can_topic,
+    pin_topic,
     spi_topic,
     uart_topic,
 )
 from host.capture.topics import EVENTS, TABLES, event_schema, table_schema
 from host.record.row_text import RowText
 
+CAPTURE_FORMAT = "navtwin-capture-2"
+"""Of the raw topics; 2 added pins, marks and exact times on the lines into the board."""
 FLUSH_EVERY_NS = 800_000_000
 UNBOUNDED = 1 << 62
 
@@ -41,6 +48,7 @@ Bytes = bytes | bytearray
 SpiRecorder = Callable[[int, int, Bytes, Bytes], None]
 UartRecorder = Callable[[int, bytes], None]
 CanRecorder = Callable[[bytes], None]
+LineRecorder = Callable[[int, int, int, int, bytes], None]
 
 
 class CaptureWriter:
@@ -54,9 +62,12 @@ class CaptureWriter:
         self._writer.start(profile="navtwin", library="navtwin")
         text = json.dumps(manifest, indent=1, sort_keys=True).encode()
         self._writer.add_attachment(0, 0, "manifest.json", "application/json", text)
+        self._writer.add_metadata("capture", {"format": CAPTURE_FORMAT})
         self._file.flush()
         self._schemas: dict[str, int] = {}
         self._blocks: list[tuple[int, bytearray]] = []
+        self._tapes: list[tuple[int, list[int]]] = []
+        self._marks = self._raw_channel(MARK_TOPIC, "navtwin.Mark")
         self._tables = {topic: self._table_channel(topic) for topic in TABLES}
         self._events = self._channel(EVENTS[0], "json", EVENTS[1], "jsonschema", event_schema())
 
@@ -86,6 +97,23 @@ class CaptureWriter:
 
         return record
 
+    def line_recorder(self, port: str) -> LineRecorder:
+        """`record(told_ns, start_ns, first, baud, data)` for the line into a UART (`host.capture.blocks`)."""
+        block = self._block(uart_topic(port, "rx"), "navtwin.LineBlock")
+
+        def record(told_ns: int, start_ns: int, first: int, baud: int, data: bytes) -> None:
+            nonlocal block
+            block += LINE_HEAD.pack(told_ns, start_ns, first, baud, len(data))
+            block += data
+
+        return record
+
+    def pin_tape(self, net: str) -> list[int]:
+        """A list for changes of a net's level, 2·time + level each; whoever drives the net appends to it."""
+        tape: list[int] = []
+        self._tapes.append((self._raw_channel(pin_topic(net), "navtwin.PinBlock"), tape))
+        return tape
+
     def can_recorder(self, bus: str) -> CanRecorder:
         """`record(records)`: frames of one CAN bus (`blocks.can_records`)."""
         return self._block(can_topic(bus), "navtwin.CanBlock").extend
@@ -106,13 +134,20 @@ class CaptureWriter:
 
     # -- the file ----------------------------------------------------------------------------------
 
-    def flush(self) -> None:
-        """Hand what was recorded to the file."""
+    def flush(self, now_ns: int | None = None) -> None:
+        """Hand what was recorded to the file; `now_ns`: all that happened before has been recorded."""
+        for channel, tape in self._tapes:
+            if tape:
+                t_ns = tape[0] >> 1
+                self._writer.add_message(channel, t_ns, array("q", tape).tobytes(), t_ns)
+                tape.clear()
         for channel, block in self._blocks:
             if block:
                 (t_ns,) = FIRST_TIME.unpack_from(block)
                 self._writer.add_message(channel, t_ns, bytes(block), t_ns)
                 block.clear()
+        if now_ns is not None:
+            self._writer.add_message(self._marks, now_ns, MARK.pack(now_ns), now_ns)
         self._writer.flush()
 
     def close(self, summary: Mapping[str, str] | None = None) -> None:
@@ -130,10 +165,12 @@ class CaptureWriter:
         self._file.close()
 
     def _block(self, topic: str, schema: str) -> bytearray:
-        channel = self._channel(topic, ENCODING, schema, ENCODING, SCHEMAS[schema].encode())
         block = bytearray()
-        self._blocks.append((channel, block))
+        self._blocks.append((self._raw_channel(topic, schema), block))
         return block
+
+    def _raw_channel(self, topic: str, schema: str) -> int:
+        return self._channel(topic, ENCODING, schema, ENCODING, SCHEMAS[schema].encode())
 
     def _table_channel(self, topic: str) -> tuple[int, RowText]:
         schema, table = TABLES[topic]

@@ -8,13 +8,66 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Callable
+from typing import Protocol
 
 from boards.assembly import AssembledBoard
 from hal.emulated.can_bus import EmulatedCanBus
-from hal.emulated.uart_receiver import LateReceiver
+from hal.emulated.uart_bytes import SentBytes
+from hal.emulated.uart_receiver import LateReceiver, LineReceiver
 from hal.emulated.uart_wire import UartWire
 from host.capture.blocks import can_records
-from host.capture.writer import FLUSH_EVERY_NS, CanRecorder, CaptureWriter, UartRecorder
+from host.capture.writer import (
+    FLUSH_EVERY_NS,
+    CanRecorder,
+    LineRecorder,
+    SpiRecorder,
+    UartRecorder,
+)
+
+
+class WireRecords(Protocol):
+    """Who takes what happens on the wires: `host.capture.writer`, or a replay that compares."""
+
+    def spi_recorder(self, bus: str) -> SpiRecorder | None:
+        """For one chip select."""
+        ...
+
+    def uart_recorder(self, port: str, direction: str) -> UartRecorder:
+        """For what a UART sends."""
+        ...
+
+    def line_recorder(self, port: str) -> LineRecorder | None:
+        """For what comes to a UART."""
+        ...
+
+    def can_recorder(self, bus: str) -> CanRecorder:
+        """For a CAN bus."""
+        ...
+
+    def pin_tape(self, net: str) -> list[int] | None:
+        """For the changes of a net."""
+        ...
+
+    def flush(self, now_ns: int | None = None) -> None:
+        """All that happened before has been told."""
+        ...
+
+
+class LineTape(LineReceiver):
+    """Tells a capture all that is put on a line, with its exact instants."""
+
+    def __init__(self, wire: UartWire, record: LineRecorder) -> None:
+        super().__init__(wire.time, None)
+        self._record = record
+        wire.attach(self)
+
+    def announce(self, sent: SentBytes) -> None:
+        """These bytes will be on the line."""
+        self._record(self._time.now, sent.start, sent.first, sent.baud, sent.data)
+
+    def forget(self, begin_from: int) -> None:
+        """Bytes whose start bit lies at `begin_from` or later will not come after all."""
+        self._record(self._time.now, begin_from, 0, 0, b"")
 
 
 class WireEar:
@@ -60,7 +113,7 @@ class Ears:
         board: AssembledBoard,
         host_port: str,
         to_host: Callable[[bytes], None],
-        capture: CaptureWriter | None,
+        capture: WireRecords | None,
     ) -> None:
         self._board = board
         self._host_port = host_port
@@ -69,20 +122,27 @@ class Ears:
         self._from_board = {
             port: WireEar(wire, self._uart_recorder(port, "tx")) for port, wire in board.from_board.items()
         }
-        self._to_board = [
-            WireEar(wire, self._uart_recorder(port, "rx"))
-            for port, wire in board.to_board.items()
-            if capture is not None
-        ]
         self._can_ears = {
             name: CanEar(bus, None if capture is None else capture.can_recorder(name))
             for name, bus in board.can_buses.items()
         }
         self._hashes = {name: hashlib.sha256() for name in (*board.from_board, *board.can_buses)}
         if capture is not None:
-            for name, device in board.spi_devices.items():
-                device.observer = capture.spi_recorder(f"{device.bus.name}.{name}")
+            self._tap(board, capture)
             board.time.at(FLUSH_EVERY_NS, lambda: self._write_out(capture))
+
+    def _tap(self, board: AssembledBoard, capture: WireRecords) -> None:
+        """Have told what comes to the board, as it comes."""
+        for name, device in board.spi_devices.items():
+            device.observer = capture.spi_recorder(f"{device.bus.name}.{name}")
+        for port, wire in board.to_board.items():
+            record = capture.line_recorder(port)
+            if record is not None:
+                LineTape(wire, record)
+        for name, net in board.nets.items():
+            net.tape = capture.pin_tape(name)
+            if net.tape is not None and net.level:
+                net.tape.append(2 * board.time.now + net.level)
 
     def hand_on(self) -> None:
         """Give everything that has come by now to those who wait for it."""
@@ -92,8 +152,6 @@ class Ears:
                 self._hashes[port].update(data)
                 if port == self._host_port:
                     self._to_host(data)
-        for ear in self._to_board:
-            ear.take()
         for name, can_ear in self._can_ears.items():
             self._hashes[name].update(can_ear.take())
 
@@ -106,10 +164,10 @@ class Ears:
             whole.update(program.memory())
         return whole.hexdigest()
 
-    def _write_out(self, capture: CaptureWriter) -> int:
+    def _write_out(self, capture: WireRecords) -> int:
         """Event: nothing stays in memory for as long as a second."""
         self.hand_on()
-        capture.flush()
+        capture.flush(self._board.time.now)
         return self._board.time.now + FLUSH_EVERY_NS
 
     def _uart_recorder(self, port: str, direction: str) -> UartRecorder | None:

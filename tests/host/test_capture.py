@@ -48,7 +48,7 @@ def write(path, seconds=5, close=True):
             capture.rows("/solution", np.full((1, len(SOLUTION.columns)), now / 1e9))
             recorded.append(("/solution", now))
         if tick % 80 == 79:
-            capture.flush()
+            capture.flush(now + 9_000_000)
         if tick % 100 == 50:
             uart(now + 1, b"$GNRMC,*\r\n")
             recorded.append(UartChunk("gnss", "rx", now + 1, b"$GNRMC,*\r\n"))
@@ -87,7 +87,7 @@ def test_the_ordinary_indexed_reader_opens_it_with_valid_json_schemas(tmp_path):
         summary = reader.get_summary()
         assert {c.topic for c in summary.channels.values()} == {
             *("/spi/spi1", "/uart/gnss/rx", "/can/can1"),
-            *("/solution", "/gnss", "/innovation", "/bias", "/event"),
+            *("/solution", "/gnss", "/innovation", "/bias", "/event", "/recorded"),
         }
         for schema in summary.schemas.values():
             if schema.encoding == "jsonschema":
