@@ -13,6 +13,8 @@ from host.report.summary import NOT_MET, Section, sections, verdict
 
 SPECIAL = re.compile(r"([\\`*_\[\]|~])")
 EVENTS_SHOWN = 20
+BAD = (NOT_MET, "WORSE")
+"""Verdicts of expectations and of comparisons that a reader must not miss."""
 
 
 def run_summary(result: RunResult, command: str | None = None, extra: Sequence[Section] = ()) -> str:
@@ -62,7 +64,7 @@ def plain(text: str) -> str:
 
 
 def _cell(text: str) -> str:
-    return f"**{plain(text)}**" if text == NOT_MET else plain(text)
+    return f"**{plain(text)}**" if text in BAD else plain(text)
 
 
 def _row(cells: Sequence[str]) -> str:

@@ -39,7 +39,7 @@ def sections(result: RunResult) -> list[Section]:
     """All tables that have anything to say, the verdict first."""
     made = [
         _expectations(result),
-        _errors(result),
+        _errors(result) if _scored_beside_gnss(result) else _continuous_errors(result),
         _quality(result),
         _outages(result),
         *_recording(result),
@@ -95,6 +95,24 @@ def _errors(result: RunResult) -> Section:
     return Section("Errors against the truth", columns, tuple(rows), note=note)
 
 
+def _scored_beside_gnss(result: RunResult) -> bool:
+    """Whether there were epochs of a receiver to score on."""
+    return any(result.metrics.get(f"{name}_rms_{unit}") is not None for _, name, unit in ERRORS)
+
+
+def _continuous_errors(result: RunResult) -> Section:
+    """For a board without receiver, or without a fix: all its solutions."""
+    rows = []
+    for label, name, unit in ERRORS:
+        figures = [
+            result.metrics.get(f"continuous_{name}_{figure}_{unit}") for figure in ("rms", "p95", "max")
+        ]
+        if any(value is not None for value in figures):
+            rows.append((f"{label}, {UNITS[unit]}", *map(number, figures)))
+    note = "every solution from a while after alignment; there are no epochs of a receiver to score on"
+    return Section("Errors against the truth", ("error", "RMS", "95 %", "max"), tuple(rows), note=note)
+
+
 def _quality(result: RunResult) -> Section:
     figures = result.metrics
     rows = [
@@ -105,7 +123,7 @@ def _quality(result: RunResult) -> Section:
         ("GNSS fix", percent(result.gnss.get("fix_share"))),
         ("epochs without solution", count(figures.get("epochs_without_solution"))),
     ]
-    if figures.get("continuous_position_horizontal_max_m") is not None:
+    if _scored_beside_gnss(result) and figures.get("continuous_position_horizontal_max_m") is not None:
         label = "horizontal error, outages included: RMS / max, m"
         rms = number(figures.get("continuous_position_horizontal_rms_m"))
         rows.append((label, f"{rms} / {number(figures.get('continuous_position_horizontal_max_m'))}"))

@@ -99,6 +99,21 @@ def test_tables_tell_the_figures_of_the_result(result):
     assert tables["Faults"].rows == (("cable", "uart-cut", "gnss", "200", "5", "4"),)
 
 
+def test_a_board_without_receiver_shows_its_errors_over_all_solutions(result):
+    metrics = {
+        "continuous_roll_rms_deg": 0.25,
+        "continuous_roll_p95_deg": 0.5,
+        "continuous_roll_max_deg": 1.0,
+    }
+    metrics["continuous_position_horizontal_max_m"] = 7.0
+    tables = {section.title: section for section in sections(replace(result, metrics=metrics, gnss={}))}
+    errors = tables["Errors against the truth"]
+    assert errors.columns == ("error", "RMS", "95 %", "max")
+    assert errors.rows[-1] == ("roll, °", "0.250", "0.500", "1")
+    assert errors.rows[0] == ("horizontal position, m", "–", "–", "7")
+    assert "no epochs of a receiver" in errors.note
+
+
 def test_verdicts_and_limits_in_words(result):
     assert verdict(replace(result, expectations=())) == "no expectations set"
     met = tuple(one for one in result.expectations if one.ok)
