@@ -33,7 +33,7 @@ from host.record.tables import (
     innovation_rows,
     solution_rows,
 )
-from host.score.expectations import Limit, flat_figures, judge
+from host.score.expectations import Limit, flat_figures, judge, with_solution_demanded
 from host.score.rules import ScoringRules
 from host.score.scorer import Scorer
 
@@ -142,7 +142,7 @@ class Recorder:
         score = self._scorer.result(duration_s)
         self._collector.data.nees = self._scorer.nees_series
         gnss = {**score.gnss, **(gnss_extra or {})}
-        figures = flat_figures(score.metrics, gnss, cpu, buses, faults)
+        figures = flat_figures(score.metrics, gnss, cpu, buses, faults, score.recording)
         result = RunResult(
             board=self._manifest["board"],
             scenario=self._manifest["scenario"],
@@ -157,7 +157,7 @@ class Recorder:
             cpu=tuple(cpu),
             buses=tuple(buses),
             faults=tuple(faults),
-            expectations=judge(expect or {}, figures),
+            expectations=judge(with_solution_demanded(expect or {}), figures),
             events=self._all_events(duration_s),
             recording=score.recording,
             out_dir=self._folder.path if self._folder is not None else None,

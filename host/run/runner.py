@@ -73,7 +73,9 @@ def _prepared(request: RunRequest) -> tuple[Setup, World]:
     check_subnormals()
     with _user_errors():
         setup = resolve(request)
-        check_names(setup.scenario.expect, _parts(setup), str(setup.scenario.path or setup.scenario.name))
+        scenario = setup.scenario
+        source = str(scenario.path or scenario.name)
+        check_names(scenario.expect, _parts(setup), source, scenario.kind == "recording")
     _check_host_port(setup)
     with _user_errors():
         world = World(setup.scenario, request.seed, request.data_dir)

@@ -29,6 +29,20 @@ Floats = NDArray[np.float64]
 LIMIT = 36_000
 """Epochs that are kept; a longer recording is fitted on its first part."""
 
+POSITION_FIGURES = tuple(
+    f"{when}_position_{kind}_rms_m" for when in ("before", "after") for kind in ("horizontal", "vertical")
+)
+FIGURES = (
+    "epochs",
+    *(
+        f"{who}.{name}"
+        for who in ("fused", "gnss")
+        for name in ("time_shift_s", "condition", *POSITION_FIGURES)
+    ),
+    *(f"attitude.after_{axis}_rms_deg" for axis in ("roll", "pitch", "yaw")),
+)
+"""Figures of `RecordingFit.result`, by dotted names."""
+
 DEGREES = 180 / np.pi
 AXES = ("roll", "pitch", "yaw")
 

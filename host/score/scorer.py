@@ -55,22 +55,17 @@ class Score:
 class Scorer:
     """Figures of one run. `outages` are (start, duration) in s, as the scenario declares them.
 
-    `attitude_sign` says how the filter's attitude error φ, to which its covariance belongs, relates to the
-    ψ of `host.score.errors`: +1 when φ has the sign of Ĉ = (I + [φ×]) C while δr and δv are estimated minus
-    true, −1 when one of the two is the other way round. It matters for NEES only.
+    The filter's attitude error φ, to which its covariance belongs, must have the sign of Ĉ = (I + [φ×]) C
+    while δr and δv are estimated minus true, as the ψ of `host.score.errors`. It matters for NEES only.
     """
 
     def __init__(
         self,
         rules: ScoringRules | None = None,
         outages: Sequence[tuple[float, float]] = (),
-        attitude_sign: int = 1,
         fit_recording: bool = False,
     ) -> None:
-        if attitude_sign not in (1, -1):
-            raise ValueError(f"attitude_sign is {attitude_sign}; it is 1 or -1")
         self._rules = rules or ScoringRules()
-        self._attitude_sign = attitude_sign
         self._history = FixHistory(self._rules)
         self._recent = RecentRows(len(COLUMNS), span_s=HOLD_BACK_S + 2.0)
         self._aligned_at_s = math.inf
@@ -177,7 +172,6 @@ class Scorer:
         before = np.maximum(np.searchsorted(verdicts[:, 0], t, side="right") - 1, 0)
         counts = (verdicts[before, 1] == 1) & (t - verdicts[before, 0] <= FIX_GAP_S)
         errors = self._recent.at(t)[:, :9]
-        errors[:, 6:9] *= self._attitude_sign
         counts &= np.isfinite(errors).all(axis=1)
         covariances = np.array([item[1] for item in ripe])
         found = nees(errors[counts], covariances[counts])
@@ -194,6 +188,7 @@ class Scorer:
         metrics["epochs"] = float(self._epochs)
         metrics["epochs_without_solution"] = float(self._missing)
         metrics["aligned_at_s"] = self._aligned_at_s if math.isfinite(self._aligned_at_s) else None
+        metrics["seconds_with_solution"] = float(self._seconds_with_solution)
         metrics["availability"] = self._availability(duration_s)
         metrics["nees_mean"] = self._nees.mean()
         metrics["nees_factor"] = departure(self._nees.mean())

@@ -2,11 +2,13 @@
 
 from dataclasses import dataclass
 
+import numpy as np
 import pytest
 
 from host.record.errors import UserError
 from host.record.result import BusUse, CpuUse, FaultUse
-from host.score.expectations import check_names, flat_figures, judge
+from host.score.expectations import check_names, flat_figures, judge, with_solution_demanded
+from host.score.recording_fit import FIGURES, RecordingFit
 
 CPU = CpuUse("mcu", 0.08, 2, 1, 4096, 0, ())
 BUS = BusUse("spi1", 0.01, 120_000)
@@ -85,3 +87,31 @@ def test_a_figure_that_could_not_be_computed_is_not_met():
 def test_unknown_figures_are_told_before_the_run(name, limit_name, message):
     with pytest.raises(UserError, match=message):
         check_names({name: Limit("<=", 1.0, limit_name)}, PARTS, "town")
+
+
+def test_a_run_without_a_solution_meets_no_expectations_unless_they_speak_of_it():
+    vacuous = {"deadline_misses": Limit("<=", 5)}
+    demanded = with_solution_demanded(vacuous)
+    assert [row[-1] for row in verdicts(demanded, {"seconds_with_solution": 0.0})] == [True, False]
+    assert [row[-1] for row in verdicts(demanded, {"seconds_with_solution": 1.0})] == [True, True]
+    outspoken = vacuous | {"metrics.availability": Limit("<=", 0.0)}
+    assert with_solution_demanded(outspoken) == outspoken
+    assert with_solution_demanded({}) == {}
+
+
+def test_a_recordings_fit_can_be_expected_of():
+    fit = RecordingFit()
+    random = np.random.default_rng(5)
+    level = np.tile([1.0, 0.0, 0.0, 0.0], (50, 1))
+    fit.add(*(random.normal(size=(50, columns)) * 0.01 for columns in (12, 6, 3)), level)
+    figures = flat_figures({}, {}, recording=fit.result())
+    assert [name for name in figures if name.startswith("recording.")] == [f"recording.{f}" for f in FIGURES]
+    assert all(figures[f"recording.{name}"] is not None for name in FIGURES)
+    name = "recording.fused.after_position_horizontal_rms_m"
+    limit = Limit("<=", None, "recording.gnss.after_position_horizontal_rms_m")
+    check_names({name: limit}, PARTS, recording=True)
+    (found,) = judge({name: limit}, figures)
+    assert found.value == fit.result()["fused"]["after_position_horizontal_rms_m"]
+    assert found.limit == fit.result()["gnss"]["after_position_horizontal_rms_m"]
+    with pytest.raises(UserError, match="no figure named"):
+        check_names({name: limit}, PARTS)
