@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import difflib
 import json
 from typing import Any, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
+
+from boards.hints import did_you_mean
 
 _UNITS = {
     "s": "seconds",
@@ -65,10 +66,7 @@ def _hint(owner: type[BaseModel] | None, key: str) -> str:
         other_stem, _, other_unit = candidate.rpartition("_")
         if other_unit in _UNITS and (stem == other_stem or key == other_stem) and unit != other_unit:
             return f"this quantity is given in {_UNITS[other_unit]}{_example(owner, candidate)}"
-    near = difflib.get_close_matches(key, known, n=1)
-    if near:
-        return f"did you mean {near[0]!r}?"
-    return "known keys: " + ", ".join(known)
+    return did_you_mean(key, known, "known keys")
 
 
 def _unknown_kind(first: Any) -> str:
@@ -76,9 +74,7 @@ def _unknown_kind(first: Any) -> str:
     given = first["ctx"].get("tag")
     if given is None:
         return 'key kind is missing; for example kind = "turn", duration_s = 8.0, angle_deg = 90.0'
-    near = difflib.get_close_matches(str(given), expected, n=1)
-    hint = f"did you mean {near[0]!r}?" if near else "known kinds: " + ", ".join(expected)
-    return f"kind = {_shown(given)} is not known; {hint}"
+    return f"kind = {_shown(given)} is not known; {did_you_mean(str(given), expected, 'known kinds')}"
 
 
 def _locate(model: type[BaseModel], location: tuple[Any, ...]) -> tuple[type[BaseModel] | None, str, str]:

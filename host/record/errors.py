@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Iterable
+from boards.hints import did_you_mean
 
 
 class UserError(Exception):
@@ -13,10 +12,4 @@ class UserError(Exception):
     """
 
 
-def did_you_mean(value: str, known: Iterable[str]) -> str:
-    """A hint for a misspelt name: the nearest known one, or else all of them."""
-    names = sorted(known)
-    near = difflib.get_close_matches(value, names, n=1)
-    if near:
-        return f"did you mean {near[0]!r}?"
-    return "known: " + (", ".join(names) or "none")
+__all__ = ["UserError", "did_you_mean"]
