@@ -12,6 +12,7 @@ from firmware.nav import tuning as cfg
 from firmware.nav.earth import refresh_earth
 from firmware.nav.flags import NAVIGATING
 from firmware.nav.gnss_measurement import epoch_velocity, lever_arm_velocity
+from firmware.nav.gnss_scatter import forget_scatter
 from firmware.nav.history import clear_history, remember, seconds_between
 from firmware.nav.prediction import begin_interval
 from firmware.nav.strapdown import move
@@ -67,6 +68,7 @@ def enter_navigation(f, i):
     i[at.VELOCITY_REFUSED_SINCE] = at.NEVER
     i[at.HEADING_WRONG_SINCE] = at.NEVER
     i[at.PATIENCE_NS] = i[cfg.REJOIN_AFTER_NS]
+    forget_scatter(f, i)
     i[at.CONSTRAINT_DUE] = i[at.TIME]
     i[at.CHECK_DUE] = i[at.TIME]
     f[at.PARAMETER_TIME] = ZERO

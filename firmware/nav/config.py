@@ -59,8 +59,9 @@ class NavConfig:
     """1 σ of the coefficient, rad/s/K; the chip tells its temperature."""
     temperature_step: float = 0.5
     """Two temperatures in a row that differ by more, K, are not believed."""
-    position_walk: float = 0.03
-    """m/√s: what the velocity solution leaves out, so that position keeps following GNSS."""
+    position_walk: float = 0.2
+    """m/√s: position follows GNSS within position_noise / position_walk, 2.5 s, and does not hold on to where
+    it was at first: worse than that on average, but better than the receiver itself on every single drive."""
     misalignment_sigma: float = 0.25 * DEG
     scale_sigma: float = 0.006
     manoeuvre_noise: float = 0.0015
@@ -186,6 +187,7 @@ def configure(f: NDArray[Any], i: NDArray[np.int64], config: NavConfig) -> None:
     f[at.QUATERNION] = 1.0
     i[at.EVENT_TIME : at.EVENT_TIME + at.EVENT_KINDS] = at.NEVER
     i[_BEGIN_AT_NEVER] = at.NEVER
+    f[at.SCATTER_SHARE] = 1.0
     f[[at.TEMPERATURE, at.BIAS_TEMPERATURE, at.TOLD_TEMPERATURE]] = at.NO_TEMPERATURE
     for place, value in _floats(config).items():
         f[place : place + np.size(value)] = value

@@ -34,6 +34,7 @@ from firmware.nav.gnss_measurement import (
     velocity_rows,
 )
 from firmware.nav.gnss_noise import position_variances, speed_variance, weigh_epoch
+from firmware.nav.gnss_scatter import keep_residual, learn_scatter
 from firmware.nav.gnss_time import time_is_believed
 from firmware.nav.heading import find_heading, has_course, heading_is_wrong
 from firmware.nav.history import correct_past, look_up
@@ -155,6 +156,8 @@ def _correct(f, i, e, time):
     if velocity > 0 and _velocity_passes(f, i, time, velocity, velocity_weight):
         absorb_group(f, VELOCITY_ROWS, velocity)
         i[at.INNOVATION_MASK] |= ((np.int64(1) << velocity) - 1) << VELOCITY_ROWS
+    if i[at.INNOVATION_MASK] & 1:
+        keep_residual(f, i, time)
     if not correction_is_sound(f):
         restart(f, i)
         return
@@ -169,6 +172,7 @@ def _correct(f, i, e, time):
 def _prepare_position(f, i, e, time):
     """Rows, residuals and variances of position; the number of rows."""
     position_rows(f, i, e, time)
+    learn_scatter(f, i, time)
     horizontal, vertical = position_variances(f, e)
     f[at.VARIANCE] = horizontal
     f[at.VARIANCE + 1] = horizontal

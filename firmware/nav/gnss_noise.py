@@ -1,7 +1,8 @@
 """How good a GNSS epoch is: variances of its position and velocity, from the floor and the receiver's claims.
 
 The receiver's error is modelled as white (layout row variance R) plus correlated (a state of the filter). A
-claimed accuracy that exceeds both together adds its excess to R; one that is better is not believed. Without
+claimed accuracy that exceeds both together adds its excess to R; one that is better is not believed, but R is
+less for a receiver that was seen to scatter less (gnss_scatter). Without
 a claim, the dilution of precision scales the error. Receivers filter: epochs closer together than
 `epoch_independence` repeat one another's error, and the velocity's own delay is not that of the position (it
 only matters while the latency is estimated).
@@ -37,8 +38,12 @@ def position_variances(f, e):
     correlated = f[cfg.POSITION_ERROR_VARIANCE_V]
     dop = e[gnss.VDOP_CENTI] if e[gnss.VDOP_CENTI] > 0 else e[gnss.HDOP_CENTI]
     vertical = _variance(white, correlated, e, _square_mm(e[gnss.V_ACC_MM]), dop, f[cfg.PER_GOOD_HDOP] * HALF)
+    weight = f[at.EPOCH_WEIGHT]
+    too_much = f[cfg.POSITION_VARIANCE] * (ONE - f[at.SCATTER_SHARE])
+    horizontal -= too_much
+    vertical -= too_much * f[cfg.VERTICAL_FACTOR_SQUARE]
     jitter = f[cfg.TIME_TAG_VARIANCE] * (_square(f, at.VELOCITY) + _square(f, at.VELOCITY + 1))
-    return f[at.EPOCH_WEIGHT] * horizontal + jitter, f[at.EPOCH_WEIGHT] * vertical
+    return weight * horizontal + jitter, weight * vertical
 
 
 @kernel

@@ -173,7 +173,13 @@ TEMPERATURE = AT_REST + 1
 """Of the chip, °C: the one that counts, the one the gyro bias was brought to, the last one told."""
 BIAS_TEMPERATURE = TEMPERATURE + 1
 TOLD_TEMPERATURE = TEMPERATURE + 2
-CONFIG = TEMPERATURE + 3
+SCATTER = TEMPERATURE + 3
+"""White variance of the receiver's position as met, m², and what the last epoch left of its residuals."""
+LEFT_RESIDUAL = SCATTER + 1
+SCATTER_COUNT = SCATTER + 3
+SCATTER_SHARE = SCATTER + 4
+"""Which share of the configured white variance is enough."""
+CONFIG = SCATTER + 5
 F_SIZE = CONFIG + 92
 
 # --- i ---
@@ -232,6 +238,8 @@ SENSOR_REPEATS = 36
 """1: this sensor was seen to repeat its readings at rest (no noise): repetition alone tells nothing."""
 UPDATES = 37
 """GNSS epochs absorbed."""
+SCATTER_TIME = 38
+"""Of the epoch that LEFT_RESIDUAL is of; NEVER when it was not absorbed."""
 
 EVENT_TIME = 40
 """When each event last happened, in the order of `flags`."""

@@ -196,7 +196,7 @@ def _add_noise(f, t):
     manoeuvre = (ax * ax + ay * ay) * f[cfg.MANOEUVRE_VARIANCE] / t
     velocity = f[cfg.VELOCITY_WALK_VARIANCE] * t + manoeuvre + f[at.LOST_VELOCITY]
     attitude = f[cfg.ANGLE_WALK_VARIANCE] * t
-    position = f[cfg.POSITION_WALK_VARIANCE] * t + f[at.LOST_POSITION]
+    position = f[cfg.POSITION_WALK_VARIANCE] * f[at.SCATTER_SHARE] * t + f[at.LOST_POSITION]
     for k in range(THREE):
         add_variance(f, at.X_POSITION + k, position)
         add_variance(f, at.X_VELOCITY + k, velocity)

@@ -1,6 +1,7 @@
 """GNSS epochs: when they are compared, how they are weighed, refused, and believed again."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -84,11 +85,15 @@ def test_lasting_jump_is_believed_in_the_end(town: Drive) -> None:
 
 
 def test_small_error_is_averaged_by_its_weight(town: Drive) -> None:
-    """One epoch off by 2 m (within the gate) moves the position by much less."""
+    """One epoch off by 2 m (within the gate) moves the position by the gain of a walk seen in white noise."""
     plain = run(part(town, 0.0, 150.0), CONFIG)
     one = run(shifted(part(town, 0.0, 150.0), 120.0, 120.5, 2.0), CONFIG)
     moved = one.position[:, 0] - plain.position[:, 0]
-    assert 0.05 < np.max(moved[one.t > 121.0]) < 0.6
+    walk, white = CONFIG.position_walk**2, CONFIG.position_noise**2
+    predicted = 0.5 * (walk + math.sqrt(walk * walk + 4.0 * walk * white))
+    gain = predicted / (predicted + white)
+    assert np.max(moved[one.t > 121.0]) == pytest.approx(2.0 * gain, rel=0.2)
+    assert np.max(np.abs(moved[one.t > 135.0])) < 0.1
 
 
 @pytest.mark.parametrize("jump_ms", [5000, -3000, 86_400_000 // 2])
