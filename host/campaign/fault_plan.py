@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from boards.description import Board
+from boards.hints import did_you_mean
 from host.campaign.plan import Plan
 from host.record.command_line import toml
-from host.record.errors import UserError, did_you_mean
+from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.run.faults import KINDS
 from host.sim.gnss.faults import GNSS_FAULT_KINDS, POSITION_JUMP, TIME_JUMP

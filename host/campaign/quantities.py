@@ -6,7 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from boards.description import Board, load_board
-from host.record.errors import UserError, did_you_mean
+from boards.hints import did_you_mean
+from host.record.errors import UserError
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ import errno
 import sys
 import traceback
 from collections.abc import Callable
+from typing import Any
 
 import typer
 
@@ -17,6 +18,8 @@ EXIT_BAD_INPUT = 2
 EXIT_FAILED = 3
 EXIT_INTERRUPTED = 130
 
+UsageError: Any = typer.BadParameter.__base__
+"""Of the command line framework, which some versions of typer bring with them."""
 DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
 
 
@@ -33,6 +36,26 @@ def guarded(command: Callable[[], int]) -> None:
     except Exception as error:
         code = _described(error)
     raise typer.Exit(code)
+
+
+def told_usage(error: Any) -> int:
+    """One message for an option or argument that cannot be understood; help where nothing was asked for.
+
+    Returns the exit code.
+    """
+    if type(error).__name__ == "NoArgsIsHelpError":
+        error.show()
+        return EXIT_BAD_INPUT
+    command = error.ctx.command_path if error.ctx is not None else "navtwin"
+    return _told(f"{error.format_message().rstrip('.')}; {command} --help tells more", EXIT_BAD_INPUT)
+
+
+def whole_number(text: str | int) -> int:
+    """The value of an option like --seed."""
+    try:
+        return int(text)
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is not a whole number; for example 1") from None
 
 
 def _described(error: Exception) -> int:

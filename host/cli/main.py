@@ -10,7 +10,7 @@ import typer
 
 from host.cli.baseline_command import app as baseline_app
 from host.cli.campaign_command import Baseline, Tolerance, campaign_command
-from host.cli.exit_codes import EXIT_INTERRUPTED, guarded
+from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
 from host.cli.faults_command import faults_command
 from host.cli.new_command import app as new_app
 from host.cli.sweep_command import sweep_command
@@ -86,7 +86,10 @@ def run_command(
         str | None, typer.Option("--profile", "-p", metavar="NAME", help="Default: the board's own.")
     ] = None,
     seed: Annotated[
-        int, typer.Option("--seed", metavar="N", help="Of all noise; the same seed, the same bytes.")
+        int,
+        typer.Option(
+            "--seed", metavar="N", parser=whole_number, help="Of all noise; the same seed, the same bytes."
+        ),
     ] = 1,
     changes: Annotated[
         list[str] | None,
@@ -160,9 +163,12 @@ def main() -> None:
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
     try:
-        app()
-    except KeyboardInterrupt:
-        sys.exit(EXIT_INTERRUPTED)
+        code = app(standalone_mode=False)
+    except UsageError as error:
+        code = told_usage(error)
+    except (KeyboardInterrupt, typer.Abort):
+        code = EXIT_INTERRUPTED
+    sys.exit(code)
 
 
 if __name__ == "__main__":

@@ -11,9 +11,10 @@ from typing import Any
 
 import pytest
 
+from boards.hints import did_you_mean
 from host.pytest_plugin.checked_run import CheckedRun
 from host.record.command_line import command_line, toml
-from host.record.errors import UserError, did_you_mean
+from host.record.errors import UserError
 from host.record.result import RunRequest, RunResult
 
 KEYS = ("board", "scenario", "profile", "seed", "overrides", "faults", "data")

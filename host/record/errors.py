@@ -1,8 +1,6 @@
-"""The one error that a person's own mistake becomes, and the hint that goes with a misspelt name."""
+"""The one error that a person's own mistake becomes."""
 
 from __future__ import annotations
-
-from boards.hints import did_you_mean
 
 
 class UserError(Exception):
@@ -10,6 +8,3 @@ class UserError(Exception):
 
     The message says in one go what is wrong, where, with which value, and how a valid one looks.
     """
-
-
-__all__ = ["UserError", "did_you_mean"]

@@ -25,9 +25,10 @@ from dataclasses import dataclass
 from typing import Any
 
 from boards.assembly import AssembledBoard
+from boards.hints import did_you_mean
 from hal.emulated import faults as wire_faults
 from hal.emulated.virtual_time import FAR, SECOND
-from host.record.errors import UserError, did_you_mean
+from host.record.errors import UserError
 from host.record.result import FaultUse
 from host.run.surroundings import ReceiverSight
 from host.sim.gnss.faults import GNSS_FAULT_KINDS

@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Any
 
 from boards.description import Board, load_board
+from boards.hints import did_you_mean
 from boards.places import board_folder
-from host.record.errors import UserError, did_you_mean
+from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.run.own_modules import make_importable
 from host.sim.scenario.load import load_scenario, merged

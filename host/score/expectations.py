@@ -15,7 +15,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from host.record.errors import UserError, did_you_mean
+from boards.hints import did_you_mean
+from host.record.errors import UserError
 from host.record.result import BusUse, CpuUse, Expectation, FaultUse
 from host.score.recording_fit import FIGURES
 from host.score.scorer import Scorer

@@ -50,7 +50,7 @@ def test_scenario_file(tmp_path: Path, text: str, words: list[str]) -> None:
         (["car_mems", "-p", "nosuch"], ["--profile nosuch", "full-rate"]),
         (["car_mems", "--seed", "-3"], ["--seed -3", "--seed 1"]),
         (["car_mems", "--seed", str(2**32)], ["--seed 4294967296", "4294967295", "--seed 1"]),
-        (["car_mems", "--seed", "abc"], ["--seed", "valid integer"]),
+        (["car_mems", "--seed", "abc"], ["--seed", "'abc' is not a whole number", "example 1"]),
         (["car_mems", "--set", "nonsense"], ["--set nonsense", "key=value"]),
         (["car_mems", "--set", "gnss.nosuch=3"], ["unknown key gnss.nosuch = 3"]),
         (["car_mems", "--set", "board.nosuch=3"], ["board.toml", "nosuch"]),
