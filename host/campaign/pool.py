@@ -7,22 +7,27 @@ the wires (`host.run.runner.CHUNK_NS`).
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import multiprocessing
 import os
+import pickle
 import signal
 from collections import deque
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from multiprocessing.context import BaseContext
 from multiprocessing.process import BaseProcess
 
 from host.campaign.journal import Outcome
 from host.campaign.plan import Job
+from host.campaign.preload import WARM_WITH
 from host.campaign.row import failed
 from host.campaign.work import Reduce, work
 from host.record.errors import UserError
+from host.record.result import RunRequest
 
 MOST_DEATHS_IN_A_ROW = 20
 """So many workers that die one after another without a finished run between them: nothing will come of it."""
@@ -40,10 +45,10 @@ class Worker:
 class LocalPool:
     """So many worker processes of this machine."""
 
-    def __init__(self, workers: int, reduce: Reduce) -> None:
+    def __init__(self, workers: int, reduce: Reduce, first: RunRequest | None = None) -> None:
         self._count = workers
         self._reduce = reduce
-        self._context = _context()
+        self._context = _context(first)
         self._workers: list[Worker] = []
         self._deaths_in_a_row = 0
 
@@ -115,13 +120,17 @@ class LocalPool:
         return Worker(process, ours, job)
 
 
-def _context() -> BaseContext:
-    """Workers come from a clean process that has all imports done, where the system has that."""
-    if "forkserver" in multiprocessing.get_all_start_methods():
-        context = multiprocessing.get_context("forkserver")
-        context.set_forkserver_preload(["host.campaign.preload"])
-        return context
-    return multiprocessing.get_context("spawn")
+def _context(first: RunRequest | None) -> BaseContext:
+    """Workers come from a clean process that is warm already, where the system has that."""
+    if "forkserver" not in multiprocessing.get_all_start_methods():
+        return multiprocessing.get_context("spawn")
+    context = multiprocessing.get_context("forkserver")
+    context.set_forkserver_preload(["host.campaign.preload"])
+    if first is not None:
+        os.environ[WARM_WITH] = base64.b64encode(pickle.dumps(first)).decode()
+    forkserver.ensure_running()
+    os.environ.pop(WARM_WITH, None)
+    return context
 
 
 def _signal_name(number: int) -> str:

@@ -41,7 +41,7 @@ def work(job: Job, reduce: Reduce, alive: Callable[[], None] | None = None) -> O
         except Exception as error:
             row = failed(job, f"{type(error).__name__}: {error}")
             outcome, times = Outcome(job.key, job.number, row), {"traceback": traceback.format_exc()}
-        _settle_once()
+        settle_once()
         times |= {"total_s": time.perf_counter() - begin, "process": os.getpid()}
         return replace(outcome, times=times)
 
@@ -53,7 +53,8 @@ def _run(job: Job, alive: Callable[[], None] | None) -> RunResult:
     return run(replace(job.request, progress=progress))
 
 
-def _settle_once() -> None:
+def settle_once() -> None:
+    """After the first run: what lives now, lasts."""
     global _warm
     if not _warm:
         from host.run.garbage import settle

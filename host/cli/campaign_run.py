@@ -77,7 +77,7 @@ def run_and_tell(
     folder = outputs.out or default_folder(plan, kind)
     if baseline is not None:
         must_fit(baseline, campaign_manifest(plan, kind))
-    executor = make_executor(workers, scheduler)
+    executor = make_executor(plan, workers, scheduler)
     with progress_bar(f"{Path(plan.board).name} {Path(plan.scenario).stem}", outputs.quiet) as progress:
         finished = run_campaign(
             plan, folder, executor, kind=kind, notice=standard_error().print, progress=progress
@@ -90,7 +90,9 @@ def run_and_tell(
     return finished, ok
 
 
-def make_executor(workers: int | None, scheduler: str | None, reduce: Reduce = course) -> Executor:
+def make_executor(
+    plan: Plan, workers: int | None, scheduler: str | None, reduce: Reduce = course
+) -> Executor:
     """Local processes, or a cluster. Raises UserError."""
     if scheduler is not None:
         from host.campaign.cluster import Cluster
@@ -103,7 +105,7 @@ def make_executor(workers: int | None, scheduler: str | None, reduce: Reduce = c
     count = workers if workers is not None else len(os.sched_getaffinity(0))
     if not 1 <= count <= MOST_WORKERS:
         raise UserError(f"--workers {count}: must lie in 1 … {MOST_WORKERS}; for example --workers 4")
-    return LocalPool(count, reduce)
+    return LocalPool(count, reduce, plan.request(next(plan.setups()), plan.seeds[0]))
 
 
 def default_folder(plan: Plan, kind: str) -> Path:

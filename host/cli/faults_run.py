@@ -54,7 +54,7 @@ def execute_faults(
             f"no fault can strike: {cannot[0][1]}" if cannot else "the board has nothing to break"
         )
     plan = replace(plan, swept=(("fault", (NO_FAULT, *(strike.as_value() for strike in can))),))
-    executor = make_executor(workers, scheduler, fault_course)
+    executor = make_executor(plan, workers, scheduler, fault_course)
     folder = out or default_folder(plan, "faults")
     with progress_bar(f"{Path(plan.board).name} faults", quiet) as progress:
         finished = run_campaign(

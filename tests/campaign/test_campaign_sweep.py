@@ -1,0 +1,156 @@
+"""`navtwin sweep` and `navtwin faults`."""
+
+from __future__ import annotations
+
+import csv
+import json
+from pathlib import Path
+
+import numpy as np
+from campaign_rig import REST, navtwin
+
+from host.campaign.fault_effect import Effect, effect, fault_course
+from host.campaign.fault_plan import Strike
+from host.campaign.fault_sheet import verdict
+from host.record.result import Event, FaultUse, RunResult
+from host.record.run_data import RunData
+from host.record.series import DecimatedSeries
+from host.record.tables import SOLUTION
+
+
+def read_csv(path: Path) -> list[dict[str, str]]:
+    with path.open() as file:
+        return list(csv.DictReader(file))
+
+
+def test_slower_processor_work_shows_in_load_and_deadline_misses(tmp_path: Path) -> None:
+    out = tmp_path / "s"
+    result = navtwin(
+        *("sweep", "car_mems", "--key", "task-budget:navigation_step", "--values", "5200,520000,2000000"),
+        *("-s", REST, "--set", "duration_s=30", "--seeds", "1-2", "--out", out, "-q"),
+    )
+    assert result.exit_code == 0, result.output
+    key = "board.processors.mcu.costs.navigation_step"
+    curves = [row for row in read_csv(out / "curves.csv") if row["figure"] == "cpu.mcu.load"]
+    loads = {row[key]: float(row["mean"]) for row in curves}
+    assert loads["520000"] - loads["5200"] > 0.8 * (520_000 - 5_200) * 100 * 20 / 30 / 168e6
+    misses = {
+        row[key]: float(row["mean"])
+        for row in read_csv(out / "curves.csv")
+        if row["figure"] == "deadline_misses"
+    }
+    assert misses["5200"] == 0 < misses["2000000"]
+    assert f"Errors against {key}" in (out / "report.html").read_text() or misses
+
+
+def test_interrupt_latency_is_in_the_response_times(tmp_path: Path) -> None:
+    out = tmp_path / "s"
+    result = navtwin(
+        *("sweep", "car_mems", "-k", "interrupt-latency", "--values", "12,252000", "-s", REST),
+        *("--set", "duration_s=20", "--seeds", "1", "--out", out, "-q"),
+    )
+    assert result.exit_code == 0, result.output
+    misses = [row for row in read_csv(out / "curves.csv") if row["figure"] == "deadline_misses"]
+    assert float(misses[0]["mean"]) == 0
+    assert float(misses[1]["mean"]) > 100, "1.5 ms late, with a deadline of 1 ms for the sensor's interrupt"
+
+
+def test_sweep_that_cannot_be(tmp_path: Path) -> None:
+    for arguments, words in (
+        (("--key", "bus-clok"), "did you mean 'bus-clock'"),
+        (("--key", "gnss.latency_s"), "needs --values"),
+        (("--key", "gnss.latency_s", "--values", "0.1"), "two values at least"),
+        (("--key", "bus-clock", "--values", "1000000,fast"), "clock_hz"),
+        (("--key", "bus-clock", "--set", "gnss.latency_s=0.1,0.2"), "one key"),
+    ):
+        result = navtwin("sweep", "car_mems", *arguments, "-s", REST, "--out", tmp_path / "s")
+        assert result.exit_code == 2, arguments
+        assert words in result.stderr
+        assert result.stderr.count("\n") == 1
+
+
+def test_fault_sheet_of_some_faults(tmp_path: Path) -> None:
+    out = tmp_path / "f"
+    asked = ("--only", "uart-cut,chip-off,cpu-reset", "--at", 40, "--for", 4, "--out", out)
+    result = navtwin("faults", "car_mems", "-s", REST, *asked)
+    assert result.exit_code == 0, result.output
+    sheet = {(row["fault"], row["target"]): row for row in read_csv(out / "faults.csv")}
+    assert list(sheet) == [("chip-off", "U2"), ("chip-off", "U3"), ("uart-cut", "gnss"), ("cpu-reset", "mcu")]
+    assert all(int(row["fired"]) > 0 and row["verdict"] == "recovered" for row in sheet.values())
+    assert sheet["uart-cut", "gnss"]["said"].startswith("GNSS lost")
+    assert 1 < float(sheet["uart-cut", "gnss"]["detected_after_s"]) < 4
+    assert float(sheet["cpu-reset", "mcu"]["without_solution_s"]) > 2
+    assert "4 of 4 faults struck" in (out / "faults.html").read_text()
+
+
+def test_faults_that_cannot_be(tmp_path: Path) -> None:
+    for arguments, words in (
+        (("--only", "uart-cat"), "did you mean 'uart-cut'"),
+        (("--at", 1e6, "--only", "uart-cut"), "not before the end of the run"),
+        (("--for", 0), "must be above 0 s"),
+    ):
+        result = navtwin("faults", "car_mems", "-s", REST, *arguments, "--out", tmp_path / "f")
+        assert result.exit_code == 2, arguments
+        assert words in result.stderr
+        assert result.stderr.count("\n") == 1
+
+
+STRIKE = Strike("uart-cut", "gnss", 100.0, 10.0)
+
+
+def made_up(
+    bad: tuple[float, float] | None, gap: tuple[float, float] | None = None, told: bool = True
+) -> RunResult:
+    """200 s at 10 Hz with 1 m of error; 20 m in `bad`, nothing in `gap`."""
+    t = np.arange(0.0, 200.0, 0.1)
+    rows = np.zeros((len(t), len(SOLUTION.columns)))
+    rows[:, 0] = t
+    rows[:, SOLUTION.columns.index("mode")] = 3
+    east = SOLUTION.columns.index("error_east_m")
+    rows[:, east] = 1.0
+    if bad is not None:
+        rows[(t >= bad[0]) & (t < bad[1]), east] = 20.0
+    if gap is not None:
+        rows = rows[(t < gap[0]) | (t >= gap[1])]
+    data = RunData(
+        solution=DecimatedSeries(SOLUTION.columns, 4096),
+        **{name: DecimatedSeries(("t_s",), 2) for name in ("gnss", "innovations", "biases")},
+    )
+    data.solution.add(rows)
+    events = [Event(50.0, "board", "mode: navigating"), Event(150.0, "board", "usual")]
+    if told:
+        events.insert(1, Event(102.5, "board", "GNSS lost"))
+    fault = FaultUse("f", "uart-cut", "gnss", 100.0, 10.0, 3)
+    return RunResult(
+        *("b", "s", "p", 1, 200.0, 1.0, "hash", {}, {}), faults=(fault,), events=tuple(events), data=data
+    )
+
+
+def seen(result: RunResult) -> Effect:
+    return effect(STRIKE, fault_course(result), fault_course(made_up(None, told=False)))
+
+
+def test_effect_is_measured_from_the_strike() -> None:
+    found = seen(made_up((104.0, 112.0)))
+    assert (found.fired, found.detected_after_s, found.said) == (3, 2.5, "GNSS lost")
+    assert (found.worst_error_m, found.usual_error_m) == (20.0, 1.0)
+    assert found.recovered_after_s is not None
+    assert 11.8 < found.recovered_after_s < 12.0
+    assert (found.without_solution_s, found.verdict) == (0.0, "recovered")
+
+
+def test_gap_counts_until_its_end() -> None:
+    found = seen(made_up(None, (105.0, 109.0)))
+    assert abs(found.without_solution_s - 4.1) < 0.11
+    assert found.recovered_after_s is not None
+    assert abs(found.recovered_after_s - 9.0) < 0.11
+
+
+def test_verdicts() -> None:
+    assert seen(made_up((104.0, 300.0))).verdict == "not recovered"
+    assert seen(made_up(None, (180.0, 300.0))).verdict == "not recovered"
+    assert seen(made_up(None, told=False)).verdict == "not told"
+    course = fault_course(made_up(None)) | {"fired": [0]}
+    never = effect(STRIKE, json.loads(json.dumps(course)), fault_course(made_up(None)))
+    assert (never.verdict, never.ok) == ("did not strike", False)
+    assert verdict([never]) == "0 of 1 faults struck and were recovered from; the board told of 0"
