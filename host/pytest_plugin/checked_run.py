@@ -12,7 +12,7 @@ from host.record.errors import UserError
 from host.record.result import Expectation, RunRequest, RunResult
 from host.report.numbers import number
 from host.report.summary import MET, NOT_MET, limit_text
-from host.score.expectations import bare, check_names, flat_figures, judge
+from host.score.expectations import bare, check_names, flat_figures, judge, with_solution_demanded
 from host.sim.scenario.schema import limit_of
 
 
@@ -23,7 +23,9 @@ class CheckedRun:
         self.result = result
         self._request = request
         self._note = note
-        self._figures = flat_figures(result.metrics, result.gnss, result.cpu, result.buses, result.faults)
+        self._figures = flat_figures(
+            result.metrics, result.gnss, result.cpu, result.buses, result.faults, result.recording
+        )
 
     def __getitem__(self, name: str) -> float | None:
         """A figure by the name that expectations use; None when it could not be computed."""
@@ -41,7 +43,8 @@ class CheckedRun:
         """Fail the test unless the figures keep their limits, which are written as under `[expect]`.
 
         `expect(yaw_rms_deg=1.5, availability=">= 0.99")`; names with dots go into a dict,
-        `expect({"cpu.mcu.load": 0.05})`. Without arguments: the limits of the scenario itself.
+        `expect({"cpu.mcu.load": 0.05})`. Without arguments: the limits of the scenario itself. As there, a
+        run without any solution keeps no limits unless they speak of that.
         """
         __tracebackhide__ = True
         wanted = {**(limits or {}), **more}
@@ -61,7 +64,7 @@ class CheckedRun:
             except ValueError as error:
                 pytest.fail(f"expect({name}={value!r}): {error}", pytrace=False)
         self._check(parsed)
-        return judge(parsed, self._figures)
+        return judge(with_solution_demanded(parsed), self._figures)
 
     def _of_scenario(self) -> Sequence[Expectation]:
         __tracebackhide__ = True
@@ -80,7 +83,7 @@ class CheckedRun:
         lists = {"cpu": result.cpu, "buses": result.buses, "faults": result.faults}
         parts = {head: [part.name for part in items] for head, items in lists.items()}  # type: ignore[attr-defined]
         try:
-            check_names(limits, parts, result.board)
+            check_names(limits, parts, result.board, recording=result.recording is not None)
         except UserError as error:
             pytest.fail(str(error), pytrace=False)
 

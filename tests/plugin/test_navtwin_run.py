@@ -30,9 +30,14 @@ def requests(monkeypatch):
             raise ZeroDivisionError("in the firmware")
         if request.scenario == "nowhere":
             raise UserError("--scenario nowhere: no such scenario")
+        figures = {
+            "yaw_rms_deg": 0.25,
+            "nees_mean": None,
+            "seconds_with_solution": float(request.profile != "dead"),
+        }
         expectations = (Expectation("yaw_rms_deg", 0.25, "<=", 1.5, True),)
         return RunResult(
-            "tilt", "slope", "plain", request.seed, 60.0, 0.1, "", {"yaw_rms_deg": 0.25, "nees_mean": None},
+            "tilt", "slope", "plain", request.seed, 60.0, 0.1, "", figures,
             {"position_horizontal_rms_m": 3.0}, cpu=(CpuUse("mcu", 0.125, 0, 0, 0, 0, ()),),
             faults=(FaultUse("cable", "uart-cut", "gnss", 1.0, None, 3),),
             expectations=() if request.scenario == "bare" else expectations, out_dir=request.out_dir,
@@ -112,9 +117,9 @@ def test_limits_that_are_kept(navtwin_run, requests, request):
 def test_a_limit_that_is_missed_tells_figure_value_limit_seed_and_command(navtwin_run, requests):
     run = navtwin_run("tilt", seed=25, scenario="slope", overrides={"gnss.latency_s": 0.1})
     told = failure(run.expect, {"cpu.mcu.load": 0.5}, yaw_rms_deg=0.2)
-    assert "tilt slope plain seed 25: 1 of 2 expectations NOT MET" in told
-    assert "OK       cpu.mcu.load  0.125, limit ≤ 0.5\n" in told
-    assert "NOT MET  yaw_rms_deg   0.250, limit ≤ 0.2  (exact: 0.25 <= 0.2)" in told
+    assert "tilt slope plain seed 25: 1 of 3 expectations NOT MET" in told
+    assert "OK       cpu.mcu.load           0.125, limit ≤ 0.5\n" in told
+    assert "NOT MET  yaw_rms_deg            0.250, limit ≤ 0.2  (exact: 0.25 <= 0.2)" in told
     assert "\nseed: 25\n" in told
     command = told.partition("reproduce: ")[2]
     assert command == (
@@ -122,6 +127,12 @@ def test_a_limit_that_is_missed_tells_figure_value_limit_seed_and_command(navtwi
         """ --set 'expect={"cpu.mcu.load" = 0.5, "yaw_rms_deg" = 0.2}'"""
     )
     assert run.command == command.rpartition(" --set ")[0]
+
+
+def test_a_board_without_a_solution_keeps_no_limit(navtwin_run, requests):
+    run = navtwin_run("tilt", profile="dead")
+    assert "NOT MET  seconds_with_solution" in failure(run.expect, deadline_misses=0)
+    run.expect(deadline_misses=0, seconds_with_solution=0)
 
 
 def test_a_figure_that_could_not_be_computed_keeps_no_limit(navtwin_run, requests):
