@@ -56,7 +56,10 @@ GROUPS = (
 
 INNOVATION_LABELS = ("north", "east", "down", "v north", "v east", "v down")
 
-CURVES = ("position_horizontal_rms_m", "velocity_rms_mps", "roll_rms_deg", "pitch_rms_deg", "yaw_rms_deg")
+CURVES = (
+    *("position_horizontal_rms_m", "velocity_rms_mps", "roll_rms_deg", "pitch_rms_deg", "yaw_rms_deg"),
+    "deadline_misses",
+)
 
 
 def charts(finished: Finished, summary: Summary) -> list[Chart]:
@@ -165,6 +168,8 @@ def error_curves(summary: Summary) -> list[Chart]:
         return []
     key = swept[0][0]
     names = [name for name in CURVES if all(name in one.figures for one in summary.setups)]
+    if not names:
+        return []
     texts = [one.setup.swept[0][1] for one in summary.setups]
     x = [_number(text) for text in texts]
     profiles = list(dict.fromkeys(one.setup.profile for one in summary.setups))
@@ -183,7 +188,7 @@ def error_curves(summary: Summary) -> list[Chart]:
     layout = stacked([MAIN[name] for name in names], [span[0] - margin, span[1] + margin])
     layout["xaxis"]["title"]["text"] = key
     text = "Mean over the seeds, with the 95 % interval of the mean."
-    return [Chart("curves", f"Errors against {key}", text, traces, layout)] if names else []
+    return [Chart("curves", f"Errors against {key}", text, traces, layout)]
 
 
 # -- pieces ----------------------------------------------------------------------------------------

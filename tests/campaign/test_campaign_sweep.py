@@ -40,7 +40,7 @@ def test_slower_processor_work_shows_in_load_and_deadline_misses(tmp_path: Path)
         if row["figure"] == "deadline_misses"
     }
     assert misses["5200"] == 0 < misses["2000000"]
-    assert f"Errors against {key}" in (out / "report.html").read_text() or misses
+    assert f"Errors against {key}" in (out / "report.html").read_text()
 
 
 def test_interrupt_latency_is_in_the_response_times(tmp_path: Path) -> None:
@@ -135,7 +135,7 @@ def test_effect_is_measured_from_the_strike() -> None:
     assert (found.fired, found.detected_after_s, found.said) == (3, 2.5, "GNSS lost")
     assert (found.worst_error_m, found.usual_error_m) == (20.0, 1.0)
     assert found.recovered_after_s is not None
-    assert 11.8 < found.recovered_after_s < 12.0
+    assert abs(found.recovered_after_s - 12.0) < 0.11
     assert (found.without_solution_s, found.verdict) == (0.0, "recovered")
 
 
