@@ -8,62 +8,49 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
-from host.sim.schema import NotNegative, PerAxis, Positive, Table
+from host.sim.schema import NotNegative, PerAxis, Positive, Table, within
 
-
-def _not_negative(value: PerAxis) -> PerAxis:
-    if min(value if isinstance(value, list) else [value]) < 0.0:
-        raise ValueError("must not be negative")
-    return value
-
-
-def _positive(value: PerAxis) -> PerAxis:
-    if min(value if isinstance(value, list) else [value]) < 1.0:
-        raise ValueError("must be at least 1 s; faster parts belong to the white noise")
-    return value
-
-
-Sigma = Annotated[PerAxis, AfterValidator(_not_negative)]
-CorrelationTime = Annotated[PerAxis, AfterValidator(_positive)]
+CorrelationTime = Annotated[PerAxis, within(1e7, 1.0)]
+"""Parts that change faster than within a second belong to the white noise."""
 
 
 class GyroErrors(Table):
     """Gyro triad."""
 
-    noise_dps_per_rthz: Sigma = Field(default=0.0, examples=[0.005])
-    bias_dps: PerAxis = Field(default=0.0, examples=[[0.3, -0.2, 0.1]])
-    turn_on_bias_dps: Sigma = Field(default=0.0, examples=[0.5])
-    instability_dph: Sigma = Field(default=0.0, examples=[8.0])
+    noise_dps_per_rthz: Annotated[PerAxis, within(100, 0)] = Field(default=0.0, examples=[0.005])
+    bias_dps: Annotated[PerAxis, within(2_000)] = Field(default=0.0, examples=[[0.3, -0.2, 0.1]])
+    turn_on_bias_dps: Annotated[PerAxis, within(2_000, 0)] = Field(default=0.0, examples=[0.5])
+    instability_dph: Annotated[PerAxis, within(1e6, 0)] = Field(default=0.0, examples=[8.0])
     instability_time_s: CorrelationTime = Field(default=100.0, examples=[100.0])
-    random_walk_dph_per_rts: Sigma = Field(default=0.0, examples=[0.3])
-    scale_percent: PerAxis = Field(default=0.0, examples=[0.5])
-    scale_error_percent: Sigma = Field(default=0.0, examples=[0.5])
-    scale_instability_ppm: Sigma = Field(default=0.0, examples=[100.0])
+    random_walk_dph_per_rts: Annotated[PerAxis, within(1e6, 0)] = Field(default=0.0, examples=[0.3])
+    scale_percent: Annotated[PerAxis, within(50)] = Field(default=0.0, examples=[0.5])
+    scale_error_percent: Annotated[PerAxis, within(50, 0)] = Field(default=0.0, examples=[0.5])
+    scale_instability_ppm: Annotated[PerAxis, within(100000, 0)] = Field(default=0.0, examples=[100.0])
     scale_instability_time_s: CorrelationTime = Field(default=1000.0, examples=[1000.0])
-    misalignment_deg: NotNegative = Field(default=0.0, examples=[0.2])
-    g_sensitivity_dps_per_g: Sigma = Field(default=0.0, examples=[0.01])
-    bias_temperature_dps_per_k: Sigma = Field(default=0.0, examples=[0.05])
-    scale_temperature_percent_per_k: Sigma = Field(default=0.0, examples=[0.02])
+    misalignment_deg: NotNegative = Field(default=0.0, le=45.0, examples=[0.2])
+    g_sensitivity_dps_per_g: Annotated[PerAxis, within(100, 0)] = Field(default=0.0, examples=[0.01])
+    bias_temperature_dps_per_k: Annotated[PerAxis, within(100, 0)] = Field(default=0.0, examples=[0.05])
+    scale_temperature_percent_per_k: Annotated[PerAxis, within(10, 0)] = Field(default=0.0, examples=[0.02])
 
 
 class AccelerometerErrors(Table):
     """Accelerometer triad."""
 
-    noise_ug_per_rthz: Sigma = Field(default=0.0, examples=[180.0])
-    bias_mg: PerAxis = Field(default=0.0, examples=[[10.0, -20.0, 5.0]])
-    turn_on_bias_mg: Sigma = Field(default=0.0, examples=[40.0])
-    instability_mg: Sigma = Field(default=0.0, examples=[0.1])
+    noise_ug_per_rthz: Annotated[PerAxis, within(1e6, 0)] = Field(default=0.0, examples=[180.0])
+    bias_mg: Annotated[PerAxis, within(16_000)] = Field(default=0.0, examples=[[10.0, -20.0, 5.0]])
+    turn_on_bias_mg: Annotated[PerAxis, within(16_000, 0)] = Field(default=0.0, examples=[40.0])
+    instability_mg: Annotated[PerAxis, within(16_000, 0)] = Field(default=0.0, examples=[0.1])
     instability_time_s: CorrelationTime = Field(default=100.0, examples=[100.0])
-    random_walk_mg_per_rts: Sigma = Field(default=0.0, examples=[0.005])
-    scale_percent: PerAxis = Field(default=0.0, examples=[0.5])
-    scale_error_percent: Sigma = Field(default=0.0, examples=[0.5])
-    scale_instability_ppm: Sigma = Field(default=0.0, examples=[100.0])
+    random_walk_mg_per_rts: Annotated[PerAxis, within(16_000, 0)] = Field(default=0.0, examples=[0.005])
+    scale_percent: Annotated[PerAxis, within(50)] = Field(default=0.0, examples=[0.5])
+    scale_error_percent: Annotated[PerAxis, within(50, 0)] = Field(default=0.0, examples=[0.5])
+    scale_instability_ppm: Annotated[PerAxis, within(100000, 0)] = Field(default=0.0, examples=[100.0])
     scale_instability_time_s: CorrelationTime = Field(default=1000.0, examples=[1000.0])
-    misalignment_deg: NotNegative = Field(default=0.0, examples=[0.2])
-    bias_temperature_mg_per_k: Sigma = Field(default=0.0, examples=[1.0])
-    scale_temperature_percent_per_k: Sigma = Field(default=0.0, examples=[0.03])
+    misalignment_deg: NotNegative = Field(default=0.0, le=45.0, examples=[0.2])
+    bias_temperature_mg_per_k: Annotated[PerAxis, within(1_000, 0)] = Field(default=0.0, examples=[1.0])
+    scale_temperature_percent_per_k: Annotated[PerAxis, within(10, 0)] = Field(default=0.0, examples=[0.03])
 
 
 class Temperature(Table):
@@ -74,8 +61,8 @@ class Temperature(Table):
 
     start_c: float = Field(default=25.0, ge=-60.0, le=125.0, examples=[25.0])
     rise_k: float = Field(default=0.0, ge=-100.0, le=100.0, examples=[5.0])
-    rise_time_s: Positive = Field(default=900.0, examples=[900.0])
-    reference_c: float | None = Field(default=None, examples=[25.0])
+    rise_time_s: Positive = Field(default=900.0, le=1e7, examples=[900.0])
+    reference_c: float | None = Field(default=None, ge=-60.0, le=125.0, examples=[25.0])
 
 
 class ImuErrors(Table):

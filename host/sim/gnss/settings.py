@@ -17,15 +17,15 @@ from host.sim.schema import NotNegative, Table
 class GnssSettings(Table):
     """Errors and sky of one receiver."""
 
-    position_white_m: NotNegative = Field(default=0.5, examples=[0.5])
-    position_markov_m: NotNegative = Field(default=1.5, examples=[1.5])
-    position_markov_time_s: float = Field(default=300.0, ge=1.0, examples=[300.0])
-    vertical_factor: NotNegative = Field(default=1.7, examples=[1.7])
-    velocity_white_mps: NotNegative = Field(default=0.05, examples=[0.05])
+    position_white_m: NotNegative = Field(default=0.5, le=10000.0, examples=[0.5])
+    position_markov_m: NotNegative = Field(default=1.5, le=10000.0, examples=[1.5])
+    position_markov_time_s: float = Field(default=300.0, ge=1.0, le=1e6, examples=[300.0])
+    vertical_factor: NotNegative = Field(default=1.7, le=100.0, examples=[1.7])
+    velocity_white_mps: NotNegative = Field(default=0.05, le=1000.0, examples=[0.05])
     latency_s: float = Field(default=0.08, ge=0.0, le=2.0, examples=[0.08])
     latency_sigma_s: float = Field(default=0.015, ge=0.0, le=0.5, examples=[0.015])
     latency_jitter_s: float = Field(default=0.0, ge=0.0, le=0.5, examples=[0.005])
-    reacquisition_s: NotNegative = Field(default=2.0, examples=[2.0])
+    reacquisition_s: NotNegative = Field(default=2.0, le=3600.0, examples=[2.0])
     constellations: list[Literal["GPS", "GLONASS"]] = Field(
         default=["GPS", "GLONASS"], min_length=1, examples=[["GPS", "GLONASS"]]
     )

@@ -90,7 +90,7 @@ class SpeedChange(_Segment):
     """Change the speed by an amount."""
 
     kind: Literal["speed-change"]
-    by_mps: float = Field(examples=[5.0])
+    by_mps: float = Field(ge=-1000.0, le=1000.0, examples=[5.0])
 
     def rates(self, speed: float, blend_s: float) -> SegmentRates:
         """Trapezoidal acceleration."""
@@ -101,7 +101,7 @@ class ReachSpeed(_Segment):
     """Reach a speed at the segment's end."""
 
     kind: Literal["reach-speed"]
-    to_mps: float = Field(examples=[12.0])
+    to_mps: float = Field(ge=-1000.0, le=1000.0, examples=[12.0])
 
     def rates(self, speed: float, blend_s: float) -> SegmentRates:
         """Trapezoidal acceleration."""
@@ -112,7 +112,7 @@ class Accelerate(_Segment):
     """Constant acceleration."""
 
     kind: Literal["accelerate"]
-    acceleration_mps2: float = Field(examples=[1.5])
+    acceleration_mps2: float = Field(ge=-200.0, le=200.0, examples=[1.5])
 
     def rates(self, speed: float, blend_s: float) -> SegmentRates:
         """A plateau."""
@@ -123,8 +123,8 @@ class Surge(_Segment):
     """Sinusoidal acceleration."""
 
     kind: Literal["surge"]
-    amplitude_mps2: float = Field(examples=[1.0])
-    period_s: Positive = Field(examples=[8.0])
+    amplitude_mps2: float = Field(ge=-200.0, le=200.0, examples=[1.0])
+    period_s: Positive = Field(le=1e6, examples=[8.0])
 
     def rates(self, speed: float, blend_s: float) -> SegmentRates:
         """A sine from zero on."""
@@ -135,8 +135,8 @@ class AccelerationRamp(_Segment):
     """Acceleration that changes on a line."""
 
     kind: Literal["acceleration-ramp"]
-    from_mps2: float = Field(examples=[0.0])
-    to_mps2: float = Field(examples=[2.0])
+    from_mps2: float = Field(ge=-200.0, le=200.0, examples=[0.0])
+    to_mps2: float = Field(ge=-200.0, le=200.0, examples=[2.0])
 
     def rates(self, speed: float, blend_s: float) -> SegmentRates:
         """A ramp."""
@@ -144,7 +144,7 @@ class AccelerationRamp(_Segment):
 
 
 class _Turning(_Segment):
-    speed_to_mps: NotNegative | None = Field(default=None, examples=[5.0])
+    speed_to_mps: NotNegative | None = Field(default=None, le=1000.0, examples=[5.0])
 
     def _turning(self, turn_rate: list[Piece], speed: float, blend_s: float) -> SegmentRates:
         if self.speed_to_mps is None:
@@ -157,7 +157,7 @@ class Turn(_Turning):
     """Turn by an angle, right positive."""
 
     kind: Literal["turn"]
-    angle_deg: float = Field(examples=[90.0])
+    angle_deg: float = Field(ge=-36_000.0, le=36_000.0, examples=[90.0])
 
     def rates(self, speed: float, blend_s: float) -> SegmentRates:
         """Five parabolas, smooth in themselves."""
@@ -168,7 +168,7 @@ class Circle(_Turning):
     """Turn at a constant rate."""
 
     kind: Literal["circle"]
-    rate_dps: float = Field(examples=[10.0])
+    rate_dps: float = Field(ge=-2000.0, le=2000.0, examples=[10.0])
 
     def rates(self, speed: float, blend_s: float) -> SegmentRates:
         """A plateau."""
@@ -179,8 +179,8 @@ class Weave(_Turning):
     """Sinusoidal turn rate."""
 
     kind: Literal["weave", "weave-cosine"]
-    amplitude_dps: float = Field(examples=[10.0])
-    period_s: Positive = Field(examples=[6.0])
+    amplitude_dps: float = Field(ge=-2000.0, le=2000.0, examples=[10.0])
+    period_s: Positive = Field(le=1e6, examples=[6.0])
 
     def rates(self, speed: float, blend_s: float) -> SegmentRates:
         """A sine or cosine."""
@@ -193,8 +193,8 @@ class TurnRateRamp(_Turning):
     """Turn rate that changes on a line."""
 
     kind: Literal["turn-rate-ramp"]
-    from_dps: float = Field(examples=[0.0])
-    to_dps: float = Field(examples=[15.0])
+    from_dps: float = Field(ge=-2000.0, le=2000.0, examples=[0.0])
+    to_dps: float = Field(ge=-2000.0, le=2000.0, examples=[15.0])
 
     def rates(self, speed: float, blend_s: float) -> SegmentRates:
         """A ramp."""

@@ -18,6 +18,7 @@ from host.sim.scenario.motion_schema import AnySegment
 from host.sim.schema import NotNegative, Positive, Table
 
 GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
+LATEST = datetime(2100, 1, 1, tzinfo=UTC)
 
 
 class Place(Table):
@@ -53,6 +54,8 @@ class Start(Table):
             raise ValueError("must be UTC, marked by a Z at the end")
         if moment < GPS_EPOCH:
             raise ValueError("lies before 1980-01-06, where GPS time begins")
+        if moment >= LATEST:
+            raise ValueError("lies after 2099, too far ahead for receivers and leap seconds")
         return value
 
     @property
@@ -66,7 +69,7 @@ class Start(Table):
 class Initial(Table):
     """Motion at the start of the run."""
 
-    speed_mps: NotNegative = Field(default=0.0, examples=[0.0])
+    speed_mps: NotNegative = Field(default=0.0, le=1000.0, examples=[0.0])
     yaw_deg: float = Field(default=0.0, ge=-360.0, le=360.0, examples=[45.0])
     pitch_deg: float = Field(default=0.0, ge=-89.0, le=89.0, examples=[0.0])
     roll_deg: float = Field(default=0.0, ge=-89.0, le=89.0, examples=[0.0])
@@ -104,7 +107,7 @@ class Sway(Table):
 
     roll_deg: NotNegative = Field(default=0.0, le=20.0, examples=[0.4])
     pitch_deg: NotNegative = Field(default=0.0, le=20.0, examples=[0.3])
-    low_hz: Positive = Field(default=0.1, examples=[0.1])
+    low_hz: Positive = Field(default=0.1, le=5.0, examples=[0.1])
     high_hz: float = Field(default=1.5, gt=0.0, le=5.0, examples=[1.5])
 
 
@@ -118,7 +121,7 @@ class Vibration(Table):
     high_hz: float = Field(default=15.0, ge=0.5, le=20.0, examples=[15.0])
     coning_deg: float = Field(default=0.0, ge=0.0, le=20.0, examples=[0.5])
     coning_hz: float = Field(default=5.0, gt=0.0, le=20.0, examples=[5.0])
-    half_speed_mps: Positive = Field(default=2.0, examples=[2.0])
+    half_speed_mps: Positive = Field(default=2.0, le=1000.0, examples=[2.0])
     always: bool = False
 
     @model_validator(mode="after")
@@ -131,8 +134,8 @@ class Vibration(Table):
 class OutageWindow(Table):
     """No satellite signals for a while (a tunnel)."""
 
-    start_s: NotNegative = Field(examples=[300.0])
-    duration_s: Positive = Field(examples=[60.0])
+    start_s: NotNegative = Field(le=1e7, examples=[300.0])
+    duration_s: Positive = Field(le=1e7, examples=[60.0])
 
 
 class Fault(Table):
@@ -140,8 +143,8 @@ class Fault(Table):
 
     kind: str = Field(min_length=1, examples=["uart-cut"])
     target: str = Field(min_length=1, examples=["gnss"])
-    at_s: NotNegative = Field(examples=[120.0])
-    duration_s: Positive | None = Field(default=None, examples=[5.0])
+    at_s: NotNegative = Field(le=1e7, examples=[120.0])
+    duration_s: Positive | None = Field(default=None, le=1e7, examples=[5.0])
     name: str | None = Field(default=None, min_length=1, examples=["receiver unplugged"])
     """No two faults have the same; left out it is kind and target, numbered from the second on."""
     parameters: dict[str, float | int | str | bool | list[float]] = Field(default_factory=dict)
