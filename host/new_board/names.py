@@ -12,8 +12,8 @@ from host.record.errors import UserError
 
 PATTERN = re.compile(r"[a-z][a-z0-9_]*")
 LONGEST = 40
-ROOMS = ("hal", "firmware", "boards", "host", "tests", "ci", "build")
-"""Packages of navtwin, and folders of the skeleton."""
+ROOMS = ("navtwin", "hal", "firmware", "boards", "host", "tests", "ci", "build")
+"""navtwin and its packages, and folders of the skeleton."""
 
 
 def check_name(name: str) -> None:

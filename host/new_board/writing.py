@@ -9,7 +9,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.resources import files
 from pathlib import Path
 
@@ -61,24 +61,27 @@ def write_board(name: str, folder: Path) -> list[Path]:
             f"--dir {folder}: {', '.join(there)} already there, nothing is overwritten;"
             f" name another folder, for example --dir {folder / name}"
         )
+    made: list[Path] = []
     with _told(folder):
-        made = _make_folder(folder)
         try:
-            return _write_aside_and_move(content, folder)
+            _make_folder(folder, made)
+            return _write_aside_and_move(content, folder, made)
         except BaseException:
-            if made is not None:
-                shutil.rmtree(made, ignore_errors=True)
+            for place in reversed(made):
+                with suppress(OSError):  # somebody has put something into it meanwhile
+                    place.rmdir()
             raise
 
 
-def _make_folder(folder: Path) -> Path | None:
-    """Make `folder`; returns the outermost one that was not there before."""
+def _make_folder(folder: Path, made: list[Path]) -> None:
+    """Make `folder`; those that were not there before are added to `made`."""
     missing = [place for place in (folder, *folder.parents) if not place.exists()]
-    folder.mkdir(parents=True, exist_ok=True)
-    return missing[-1] if missing else None
+    for place in reversed(missing):
+        place.mkdir()
+        made.append(place)
 
 
-def _write_aside_and_move(content: dict[str, str], folder: Path) -> list[Path]:
+def _write_aside_and_move(content: dict[str, str], folder: Path, made: list[Path]) -> list[Path]:
     aside = Path(tempfile.mkdtemp(prefix=".navtwin-new-", dir=folder))
     moved: list[Path] = []
     try:
@@ -90,7 +93,7 @@ def _write_aside_and_move(content: dict[str, str], folder: Path) -> list[Path]:
                 part.chmod(part.stat().st_mode | 0o111)
         for path in content:
             place = folder / path
-            place.parent.mkdir(parents=True, exist_ok=True)
+            _make_folder(place.parent, made)
             if os.path.lexists(place):
                 raise FileExistsError(17, "appeared meanwhile", str(place))
             (aside / path).rename(place)
