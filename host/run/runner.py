@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -43,8 +44,6 @@ RECORDING_RULES = ScoringRules(after_alignment_s=10.0)
 def run(request: RunRequest) -> RunResult:
     """Run a board. Raises UserError for whatever the user can mend."""
     setup, world = _prepared(request)
-    ready = _make_ready(request, setup, world)
-    recording = setup.scenario.kind == "recording"
     manifest = build_manifest(
         setup.board.name,
         (board_folder(request.board) / "board.toml").read_text(),
@@ -54,6 +53,13 @@ def run(request: RunRequest) -> RunResult:
         request.seed,
         request.overrides,
     )
+    return run_in_world(request, setup, world, manifest)
+
+
+def run_in_world(request: RunRequest, setup: Setup, world: World, manifest: Mapping[str, Any]) -> RunResult:
+    """Run a board in a world that is there already; faults are those of the world's scenario."""
+    ready = _make_ready(request, setup, world)
+    recording = world.scenario.kind == "recording"
     outages = [(w.start_ns / SECOND, (w.end_ns - w.start_ns) / SECOND) for w in world.outages]
     with Recorder(
         manifest,
@@ -103,11 +109,11 @@ class Ready:
 
 def _make_ready(request: RunRequest, setup: Setup, world: World) -> Ready:
     with _user_errors(f"{board_folder(request.board) / 'board.toml'}: "):
-        warm_up(setup, lambda: World(setup.scenario, request.seed, request.data_dir), request.notice)
+        warm_up(setup, world.another, request.notice)
         surroundings = Surroundings(world, request.out_dir)
         board = assemble(setup.board, setup.profile, surroundings)
         faults = place_faults(
-            setup.scenario.fault, board, surroundings.sights, request.seed, world.duration_ns
+            world.scenario.fault, board, surroundings.sights, request.seed, world.duration_ns
         )
     return Ready(surroundings, board, faults)
 
@@ -136,7 +142,7 @@ def _run(request: RunRequest, setup: Setup, world: World, ready: Ready, recorder
         cpu=cpu_use(board, duration_ns),
         buses=bus_use(board, duration_ns),
         faults=[placed.use() for placed in ready.faults],
-        expect=setup.scenario.expect,
+        expect=world.scenario.expect,
         gnss_extra=intake.tags.figures(),
     )
 
@@ -193,7 +199,7 @@ def _parts(setup: Setup) -> dict[str, list[str]]:
     return {
         "cpu": list(board.processors),
         "buses": [
-            *(name for name, bus in board.buses.items() if bus.kind == "spi"),
+            *board.buses,
             *(f"{name}.{direction}" for name in board.uarts for direction in ("rx", "tx")),
             *board.can,
         ],

@@ -42,9 +42,11 @@ def _one_cpu(name: str, cpu: EmulatedCpu, duration_ns: int) -> CpuUse:
 
 
 def bus_use(board: AssembledBoard, duration_ns: int) -> list[BusUse]:
-    """Load of every SPI bus, UART direction and CAN bus; errors as the controllers notice them."""
+    """Load of every SPI and I²C bus, UART direction and CAN bus; errors as the controllers notice them."""
     buses = [
-        BusUse(name, bus.busy_ns / duration_ns, bus.transactions) for name, bus in board.spi_buses.items()
+        BusUse(name, bus.busy_ns / duration_ns, bus.transactions)
+        for masters in (board.spi_buses, board.i2c_buses)
+        for name, bus in masters.items()
     ]
     for wires in (board.to_board, board.from_board):
         for name, wire in wires.items():

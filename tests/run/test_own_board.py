@@ -72,6 +72,12 @@ class Tiny:
         return bytes([self.ticks % 256])
 
 
+class OnI2c(Tiny):
+    def work(self):
+        self.ticks += 1
+        self.io.uart["host"].write(self.io.i2c["spi1"].transaction(0x68, bytes(1), 1))
+
+
 class Endless(Tiny):
     def work(self):
         while True:
@@ -91,6 +97,10 @@ class Unknown(Tiny):
 
 def works(io, profile, installation):
     return Tiny(io)
+
+
+def on_i2c(io, profile, installation):
+    return OnI2c(io)
 
 
 def endless(io, profile, installation):
@@ -134,6 +144,21 @@ def test_board_outside_the_repository_runs(board) -> None:  # type: ignore[no-un
     assert processor.tasks[0].activations in (49, 50)
     traffic = {bus.name: bus for bus in result.buses}
     assert traffic["spi1"].transactions == processor.tasks[0].activations
+
+
+def test_an_i2c_bus_tells_its_use(board, tmp_path: Path) -> None:  # type: ignore[no-untyped-def]
+    request = board("on_i2c")
+    description = tmp_path / "tiny" / "board.toml"
+    text = description.read_text().replace('kind = "spi"', 'kind = "i2c"')
+    description.write_text(text.replace("clock_hz = 5_000_000", "clock_hz = 400_000"))
+    scenario = tmp_path / "tiny" / "scenarios" / "still.toml"
+    scenario.write_text(STILL + '[expect]\n"buses.spi1.load" = 1e-3\nseconds_with_solution = 0')
+    result = run(request)
+    bus = next(bus for bus in result.buses if bus.name == "spi1")
+    assert bus.transactions == result.cpu[0].tasks[0].activations
+    clocks = 1 + 2 * 9 + 1 + 9 + 9 + 1  # fact sheet, section 2: address and register, address again, one byte
+    assert bus.load == pytest.approx(bus.transactions * clocks / 400e3 / 5.0, rel=1e-6)
+    assert result.ok
 
 
 def test_task_that_never_lets_time_pass_is_named(board, monkeypatch: pytest.MonkeyPatch) -> None:  # type: ignore[no-untyped-def]
