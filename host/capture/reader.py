@@ -18,7 +18,7 @@ from mcap.exceptions import McapError
 from mcap.records import Attachment, Channel, McapRecord, Message, Metadata, Schema
 from mcap.stream_reader import StreamReader
 
-from host.capture.blocks import SCHEMAS, Traffic, unpack
+from host.capture.blocks import MARK, MARK_TOPIC, SCHEMAS, Traffic, unpack
 from host.record.errors import UserError
 
 LONGEST_RECORD = 1 << 30
@@ -35,6 +35,15 @@ class Decoded:
     value: dict[str, Any]
 
 
+@dataclass(slots=True)
+class Window:
+    """The raw traffic up to a mark."""
+
+    end_ns: int
+    raw: dict[str, bytes]
+    """Records of each topic, as in its blocks."""
+
+
 class CaptureReader:
     """One capture file. Iterate once to get its records; afterwards `complete` tells whether it was whole."""
 
@@ -48,18 +57,72 @@ class CaptureReader:
         """Of the raw topics; known as soon as the first record has been given."""
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
+        self._raw_schemas: dict[str, str | None] = {}
 
     def __iter__(self) -> Iterator[Traffic | Decoded]:
-        try:
-            file = self.path.open("rb")
-        except OSError as error:
-            raise UserError(f"capture {self.path}: cannot be read: {error.strerror}") from None
-        with file:
+        with self._opened() as file:
             for record in self._records(file):
                 if isinstance(record, Message):
                     yield from self._message(record)
                 else:
                     self._note(record)
+
+    def windows(self) -> Iterator[Window]:
+        """The raw traffic alone, from mark to mark, without unpacking it; the last one of a run that reached
+        its end goes up to that end. What lies behind the last mark of any other is left out."""
+        with self._opened() as file:
+            raw: dict[str, list[bytes]] = {}
+            end_ns = 0
+            for record in self._records(file):
+                if not isinstance(record, Message):
+                    self._note(record)
+                    continue
+                channel = self._channels[record.channel_id]
+                if channel.topic == MARK_TOPIC:
+                    (end_ns,) = MARK.unpack(record.data)
+                    yield Window(end_ns, {topic: b"".join(blocks) for topic, blocks in raw.items()})
+                    raw = {}
+                elif self.raw_schema(channel.topic) is not None:
+                    raw.setdefault(channel.topic, []).append(record.data)
+            if self.summary is not None and (last_ns := self.end_ns) is not None and last_ns >= end_ns:
+                yield Window(last_ns, {topic: b"".join(blocks) for topic, blocks in raw.items()})
+
+    def recorded_s(self) -> float | None:
+        """Up to when the file goes, by its index; None: it has none, because its run was cut off."""
+        from mcap.reader import make_reader
+
+        try:
+            with self._opened() as file:
+                summary = make_reader(file).get_summary()
+        except (McapError, ValueError, struct.error):
+            return None
+        if summary is None or summary.statistics is None:
+            return None
+        return float(summary.statistics.message_end_time) / 1e9
+
+    @property
+    def end_ns(self) -> int | None:
+        """When the run ended, for one that reached its end and has been read so far."""
+        seconds = (self.summary or {}).get("duration_s")
+        return None if seconds is None else round(float(seconds) * 1e9)
+
+    def raw_schema(self, topic: str) -> str | None:
+        """Schema of a raw topic read by now; None: not raw."""
+        if topic not in self._raw_schemas:
+            names = [self._schemas[c.schema_id].name for c in self._channels.values() if c.topic == topic]
+            self._raw_schemas[topic] = names[0] if names and names[0] in SCHEMAS else None
+        return self._raw_schemas[topic]
+
+    @property
+    def raw_topics(self) -> list[str]:
+        """The raw topics that have been declared by now."""
+        return [c.topic for c in self._channels.values() if self.raw_schema(c.topic) is not None]
+
+    def _opened(self) -> BinaryIO:
+        try:
+            return self.path.open("rb")
+        except OSError as error:
+            raise UserError(f"capture {self.path}: cannot be read: {error.strerror}") from None
 
     def _records(self, file: BinaryIO) -> Iterator[McapRecord]:
         reader = StreamReader(file, validate_crcs=True, record_size_limit=LONGEST_RECORD)
@@ -68,14 +131,19 @@ class CaptureReader:
             try:
                 record = next(records)
             except StopIteration:
+                if not self.manifest:
+                    raise self._foreign("it has no manifest") from None
                 self.complete = True
                 return
             except (McapError, ValueError, RuntimeError, struct.error) as error:
                 if not self.manifest:
                     reason = str(error) or "it ends before the manifest"
-                    raise UserError(f"capture {self.path}: not a capture of navtwin: {reason}") from None
+                    raise self._foreign(reason) from None
                 return
             yield record
+
+    def _foreign(self, reason: str) -> UserError:
+        return UserError(f"capture {self.path}: not a capture of navtwin: {reason}")
 
     def _note(self, record: McapRecord) -> None:
         if isinstance(record, Schema):
@@ -83,11 +151,20 @@ class CaptureReader:
         elif isinstance(record, Channel):
             self._channels[record.id] = record
         elif isinstance(record, Attachment) and record.name == "manifest.json":
-            self.manifest = json.loads(record.data)
+            self.manifest = self._parsed(record.data)
         elif isinstance(record, Metadata) and record.name == "end":
             self.summary = dict(record.metadata)
         elif isinstance(record, Metadata) and record.name == "capture":
             self.format = record.metadata["format"]
+
+    def _parsed(self, text: bytes) -> dict[str, Any]:
+        try:
+            manifest = json.loads(text)
+        except ValueError as error:
+            raise UserError(f"capture {self.path}: its manifest is damaged: {error}") from None
+        if not isinstance(manifest, dict):
+            raise self._foreign("its manifest is no table")
+        return manifest
 
     def _message(self, message: Message) -> Iterator[Traffic | Decoded]:
         channel = self._channels[message.channel_id]

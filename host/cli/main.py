@@ -13,6 +13,7 @@ from host.cli.campaign_command import Baseline, Tolerance, campaign_command
 from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
 from host.cli.faults_command import faults_command
 from host.cli.new_command import app as new_app
+from host.cli.replay_command import replay_command
 from host.cli.sweep_command import sweep_command
 
 EXAMPLES = (
@@ -155,6 +156,7 @@ app.command("campaign")(campaign_command)
 app.command("sweep")(sweep_command)
 app.command("faults")(faults_command)
 app.add_typer(baseline_app, name="baseline")
+app.command("replay")(replay_command)
 
 
 def main() -> None:

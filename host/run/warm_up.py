@@ -57,16 +57,23 @@ def warm_up(setup: Setup, another_world: Callable[[], World], notice: Callable[[
     with entries_named() as kernels:
         board = assemble(setup.board, setup.profile, Surroundings(world, None))
         board.machine.run_until(BOOT_NS)
+    compile_missing(kernels, lambda: _exercise(setup.board, world), notice)
+    _exercise(setup.board, world)
+    board.machine.run_until(WORK_NS)
+    board.machine.power_off()
+    _warm.add(key)
+
+
+def compile_missing(
+    kernels: Sequence[Any], own_work: Callable[[], None], notice: Callable[[str], None] | None
+) -> None:
+    """Compile those of `kernels` that the cache lacks with `own_work` beside; nothing when it lacks none."""
     missing = [] if INTERPRETED else [kernel for kernel in dict.fromkeys(kernels) if _is_missing(kernel)]
     if missing:
         if notice is not None:
             notice(FIRST_RUN)
         missing.sort(key=_size, reverse=True)
-        _compile_side_by_side(missing, lambda: _exercise(setup.board, world))
-    _exercise(setup.board, world)
-    board.machine.run_until(WORK_NS)
-    board.machine.power_off()
-    _warm.add(key)
+        _compile_side_by_side(missing, own_work)
 
 
 def _is_missing(kernel: Any) -> bool:

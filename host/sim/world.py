@@ -49,7 +49,12 @@ class World:
         """`data_dir` None: the environment variable NAVTWIN_DATA. Raises ScenarioError."""
         self.scenario = scenario
         self.seed = seed
+        self._data_dir = data_dir
         self._vehicle: Vehicle = _vehicle(scenario, seed, data_dir)
+
+    def another(self) -> World:
+        """A world like this one, at its beginning."""
+        return World(self.scenario, self.seed, self._data_dir)
 
     @property
     def duration_ns(self) -> int:

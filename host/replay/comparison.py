@@ -1,0 +1,171 @@
+"""What the replayed board sends, held against what was recorded: wire by wire, byte by byte."""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from itertools import zip_longest
+
+from host.capture.blocks import (
+    UART_HEAD,
+    CanMessage,
+    PinEdge,
+    Traffic,
+    UartChunk,
+    can_topic,
+    pin_topic,
+    uart_topic,
+    unpack,
+)
+from host.capture.writer import CanRecorder, UartRecorder
+
+SHOWN_BYTES = 32
+SHOWN_BEFORE = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """The first place where a replay does something else than the recorded run."""
+
+    time_ns: int
+    wire: str
+    recorded: str
+    replayed: str
+
+    def text(self) -> str:
+        """Both sides, for people."""
+        return (
+            f"first difference at {self.time_ns / 1e9:.9f} s on {self.wire}\n"
+            f"  recorded: {self.recorded}\n  replayed: {self.replayed}"
+        )
+
+
+@dataclass(slots=True)
+class Compared:
+    """One wire: records on both sides that have not been compared yet."""
+
+    schema: str
+    recorded: bytearray = field(default_factory=bytearray)
+    replayed: bytearray = field(default_factory=bytearray)
+    tape: list[int] = field(default_factory=list)
+    """Of a pin: changes to be appended to `replayed`."""
+    compared_bytes: int = 0
+
+
+class Comparison:
+    """Implements `host.run.listening.WireRecords`: takes what the replayed board sends and compares it."""
+
+    def __init__(self, output_nets: Iterable[str]) -> None:
+        self._output_nets = set(output_nets)
+        self.wires: dict[str, Compared] = {}
+        self.difference: Difference | None = None
+
+    def spi_recorder(self, bus: str) -> None:
+        """Stand-ins compare transactions themselves."""
+
+    def line_recorder(self, port: str) -> None:
+        """What comes to the board comes from the capture."""
+
+    def uart_recorder(self, port: str, direction: str) -> UartRecorder:
+        """For what a UART sends."""
+        block = self._wire(uart_topic(port, direction), "navtwin.UartBlock").replayed
+
+        def record(end_ns: int, data: bytes) -> None:
+            nonlocal block
+            block += UART_HEAD.pack(end_ns, len(data))
+            block += data
+
+        return record
+
+    def can_recorder(self, bus: str) -> CanRecorder:
+        """For a CAN bus."""
+        return self._wire(can_topic(bus), "navtwin.CanBlock").replayed.extend
+
+    def pin_tape(self, net: str) -> list[int] | None:
+        """For a net that a processor drives; the others come from the capture."""
+        return self._wire(pin_topic(net), "navtwin.PinBlock").tape if net in self._output_nets else None
+
+    def load(self, topic: str, block: bytes) -> None:
+        """Recorded traffic up to the next mark."""
+        if topic in self.wires:
+            self.wires[topic].recorded += block
+
+    def flush(self, now_ns: int | None = None) -> None:
+        """Compare what both sides have; what is equal is forgotten."""
+        for wire in self.wires.values():
+            if wire.tape:
+                wire.replayed += array("q", wire.tape).tobytes()
+                wire.tape.clear()
+            same = min(len(wire.recorded), len(wire.replayed))
+            if wire.recorded[:same] == wire.replayed[:same]:
+                wire.compared_bytes += same
+                del wire.recorded[:same], wire.replayed[:same]
+        left = any(wire.recorded or wire.replayed for wire in self.wires.values())
+        if self.difference is None and now_ns is not None and left:
+            self.difference = self._first(now_ns)
+
+    def _first(self, now_ns: int) -> Difference | None:
+        """The earliest difference up to now; what was recorded later is still to come."""
+        found = [_difference(topic, wire, now_ns) for topic, wire in self.wires.items()]
+        return min((one for one in found if one is not None), key=lambda one: one.time_ns, default=None)
+
+    def _wire(self, topic: str, schema: str) -> Compared:
+        self.wires[topic] = Compared(schema)
+        return self.wires[topic]
+
+
+def _difference(topic: str, wire: Compared, now_ns: int) -> Difference | None:
+    pairs = zip_longest(_records(wire, topic, wire.recorded), _records(wire, topic, wire.replayed))
+    for recorded, replayed in pairs:
+        if recorded == replayed:
+            continue
+        times = [_time(one) for one in (recorded, replayed) if one is not None]
+        if min(times) > now_ns:
+            return None
+        first = _first_byte(_data(recorded), _data(replayed))
+        return Difference(min(times), topic, _shown(recorded, first), _shown(replayed, first))
+    return None
+
+
+def _records(wire: Compared, topic: str, block: bytearray) -> Iterator[Traffic]:
+    try:
+        yield from unpack(wire.schema, topic, bytes(block))
+    except ValueError:
+        return
+
+
+def _time(record: Traffic) -> int:
+    if isinstance(record, PinEdge):
+        return record.time_ns
+    assert isinstance(record, UartChunk | CanMessage)
+    return record.end_ns
+
+
+def _data(record: Traffic | None) -> bytes:
+    return record.data if isinstance(record, UartChunk | CanMessage) else b""
+
+
+def _first_byte(one: bytes, other: bytes) -> int:
+    """Where two byte strings begin to differ; the shorter one's length when they do not before."""
+    pairs = zip(one, other, strict=False)
+    return next((k for k, (a, b) in enumerate(pairs) if a != b), min(len(one), len(other)))
+
+
+def _shown(record: Traffic | None, first: int) -> str:
+    if record is None:
+        return "nothing"
+    if isinstance(record, PinEdge):
+        return f"{record.time_ns / 1e9:.9f} s, level {'high' if record.level else 'low'}"
+    assert isinstance(record, UartChunk | CanMessage)
+    name = f"identifier 0x{record.identifier:X}, " if isinstance(record, CanMessage) else ""
+    return f"ends at {record.end_ns / 1e9:.9f} s, {name}{shown_bytes(record.data, first)}"
+
+
+def shown_bytes(data: bytes, notable: int = 0) -> str:
+    """Bytes in hex, as many as a line bears, among them the one at `notable`."""
+    if len(data) <= SHOWN_BYTES:
+        return data.hex(" ")
+    begin = max(0, min(notable - SHOWN_BEFORE, len(data) - SHOWN_BYTES))
+    before = f"byte {begin} on: " if begin else ""
+    return f"{before}{data[begin : begin + SHOWN_BYTES].hex(' ')} … ({len(data)} bytes)"

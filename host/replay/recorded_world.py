@@ -1,0 +1,187 @@
+"""A capture as a world: chips feel what was measured, receivers see the epochs that were received."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from boards.chips.world import GnssEpoch
+from boards.description import Board
+from host.capture.blocks import SpiTransaction
+from host.capture.reader import CaptureReader, Decoded
+from host.record.errors import UserError
+from host.replay.inertial_samples import DECODERS, InertialSamples
+from host.replay.road import NS, Road
+from host.sim.gnss.schedule import Window, held, window
+from host.sim.gnss.slow_sky import SlowSky
+from host.sim.recording.recorded_imu import RecordedImu
+from host.sim.scenario.schema import Scenario
+from host.sim.truth import TruthBatch
+from host.sim.world import World
+
+Array = NDArray[np.float64]
+LONGEST_EPOCH_STEP_S = 1.1
+"""Epochs further apart than this are not interpolated between: there is no fix."""
+H_ACC_M, V_ACC_M, S_ACC_MPS = 3.0, 5.0, 0.1
+"""What a receiver of this kind claims under an open sky; captures hold no accuracies in their epochs."""
+
+
+class RecordedEpochs:
+    """Implements `boards.chips.world.GnssWorld` from rows of /gnss, linear between neighbours with a fix."""
+
+    def __init__(
+        self, rows: Sequence[Mapping[str, Any]], scenario: Scenario, outages: Sequence[Window]
+    ) -> None:
+        fixed = [row for row in rows if row["fix"] == 1 and row["height_m"] is not None]
+        self._t = np.array([row["t_s"] for row in fixed], dtype=np.float64)
+        names = ("latitude_deg", "longitude_deg", "height_m", "v_north_mps", "v_east_mps", "v_down_mps")
+        table = [[row[name] if row[name] is not None else 0.0 for name in names] for row in fixed]
+        self._rows = np.array(table, dtype=np.float64).reshape(-1, 6)
+        self._rows[:, :2] = np.radians(self._rows[:, :2])
+        settings = scenario.gnss
+        self._start = scenario.start
+        self._latency_ns = round(settings.latency_s * NS)
+        self._geoid_separation = 0.0 if scenario.place is None else scenario.place.geoid_separation_m
+        self._outages = list(outages)
+        self._sky = SlowSky(
+            scenario.start.gps_time_ns, settings.constellations, math.radians(settings.elevation_mask_deg)
+        )
+
+    def epoch(self, time_ns: int) -> GnssEpoch:
+        """The recorded solution at `time_ns`."""
+        state, fix = self._at(time_ns / NS)
+        lat, lon, height, vn, ve, vd = state
+        sky = self._sky.above(time_ns, lat, lon, height, is_open=not held(self._outages, time_ns))
+        return GnssEpoch(
+            fix=fix,
+            time_known=True,
+            gps_time_ns=self._start.gps_time_ns + time_ns,
+            leap_seconds=self._start.leap_seconds,
+            latitude=lat,
+            longitude=lon,
+            height=height,
+            geoid_separation=self._geoid_separation,
+            velocity_ned=(vn, ve, vd),
+            h_acc=H_ACC_M,
+            v_acc=V_ACC_M,
+            s_acc=S_ACC_MPS,
+            pdop=sky.pdop,
+            hdop=sky.hdop,
+            vdop=sky.vdop,
+            tdop=sky.tdop,
+            satellites=sky.satellites,
+            latency_ns=max(1_000_000, self._latency_ns),
+        )
+
+    def _at(self, t: float) -> tuple[list[float], bool]:
+        times = self._t
+        if not len(times):
+            return [0.0] * 6, False
+        k = int(np.searchsorted(times, t))
+        before, after = max(k - 1, 0), min(k, len(times) - 1)
+        nearest = before if t - times[before] < times[after] - t else after
+        if abs(times[nearest] - t) < 0.001:
+            return self._rows[nearest].tolist(), True
+        span = times[after] - times[before]
+        if before == after or span > LONGEST_EPOCH_STEP_S:
+            return self._rows[nearest].tolist(), False
+        x = (t - times[before]) / span
+        state: list[float] = (self._rows[before] + x * (self._rows[after] - self._rows[before])).tolist()
+        return state, True
+
+
+class FeltImu(RecordedImu):
+    """A recorded sensor with its temperature."""
+
+    def __init__(self, samples: InertialSamples, C_b_s: Array, mounting: Array) -> None:
+        """`C_b_s` of the recorded chip, `mounting` of the one that feels it now."""
+        super().__init__(
+            samples.times_ns.astype(np.float64), samples.force @ C_b_s.T, samples.rate @ C_b_s.T, mounting
+        )
+        self._warm = samples.temperature_times_ns, samples.temperature
+
+    def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> Array:
+        """Linear between the recorded samples."""
+        out = super().sample(times_ns, bandwidth_hz)
+        if len(self._warm[0]):
+            out[:, 6] = np.interp(times_ns, *self._warm)
+        return out
+
+
+class RecordedVehicle:
+    """Implements `host.sim.world.Vehicle` from a capture that has been read."""
+
+    def __init__(
+        self, scenario: Scenario, recorded_board: Board, capture: CaptureContent, duration_ns: int
+    ) -> None:
+        self.duration_ns = duration_ns
+        self.outages: tuple[Window, ...] = tuple(window(o.start_s, o.duration_s) for o in scenario.outage)
+        self.road = Road(capture.rows["/solution"])
+        self._scenario = scenario
+        self._capture = capture
+        sensors = [chip for chip in recorded_board.chips.values() if chip.world == "imu"]
+        self._road_lever_arm = np.array(sensors[0].lever_arm_m)
+        """The road is that of the recorded sensor."""
+        self._mountings = {refdes: np.array(chip.mounting) for refdes, chip in recorded_board.chips.items()}
+
+    def imu(self, name: str, mounting: Array, lever_arm: Array, preset: str | None = None) -> FeltImu:
+        """The recorded sensor of that designator (or the only one), turned into the chip's axes."""
+        samples = self._capture.samples
+        source = name if name in samples else next(iter(samples))
+        return FeltImu(samples[source], self._mountings[source], mounting)
+
+    def gnss(self, name: str, lever_arm: Array) -> RecordedEpochs:
+        """The recorded receiver."""
+        return RecordedEpochs(self._capture.rows["/gnss"], self._scenario, self.outages)
+
+    def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
+        """Of the navigation point; the sensor's true bias is not known."""
+        return self.road.truth(times_ns)
+
+    def antenna_truth(self, times_ns: NDArray[np.int64], lever_arm: Array) -> TruthBatch:
+        """Of a point of the body."""
+        return self.road.truth(times_ns, lever_arm - self._road_lever_arm)
+
+
+class RecordedWorld(World):
+    """A world whose vehicle is a capture. Faults of the receiver are in what was received."""
+
+    def __init__(self, scenario: Scenario, vehicle: RecordedVehicle) -> None:
+        self.scenario = scenario.model_copy(update={"fault": []})
+        self.seed = 1
+        self._vehicle: RecordedVehicle = vehicle
+
+    def another(self) -> RecordedWorld:
+        """The same: a capture has no state."""
+        return self
+
+
+class CaptureContent:
+    """What a physical replay needs of a capture, in memory: some 60 bytes a sample."""
+
+    def __init__(self, reader: CaptureReader, recorded_board: Board) -> None:
+        """Reads all of it. Raises UserError when there is no inertial sensor that can be decoded."""
+        self.rows: dict[str, list[dict[str, Any]]] = {"/solution": [], "/gnss": []}
+        self.end_ns = 0
+        traffic = {
+            f"{chip.bus}.{chip.name or refdes}": (refdes, DECODERS[chip.part]())
+            for refdes, chip in recorded_board.chips.items()
+            if chip.bus is not None and chip.part in DECODERS
+        }
+        for record in reader:
+            if isinstance(record, SpiTransaction):
+                self.end_ns = max(self.end_ns, record.end_ns)
+                if record.bus in traffic:
+                    traffic[record.bus][1].add((record,))
+            elif isinstance(record, Decoded) and record.topic in self.rows:
+                self.rows[record.topic].append(record.value)
+        self.samples = {refdes: decoder.samples() for refdes, decoder in traffic.values()}
+        self.samples = {refdes: found for refdes, found in self.samples.items() if len(found.times_ns) > 1}
+        if not self.samples:
+            raise UserError(
+                f"capture {reader.path}: no inertial samples in it; known are the parts {', '.join(DECODERS)}"
+            )

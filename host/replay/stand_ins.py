@@ -1,0 +1,198 @@
+"""What takes the chips' place in a strict replay: recorded answers, levels and lines, at the recorded times.
+
+A stand-in answers transaction k of its chip select with the recorded bytes, provided that the firmware does
+exactly what it did: the same bytes out at the same instants. A level that a chip changed because of a
+transaction (data ready that ends as the data are read) has the transaction's own time and changes within it;
+every other change is an event. A net that nobody heard when it changed is told to whoever begins to listen at
+that very instant, as lazy chips do.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from typing import Any
+
+from boards.description import Board
+from hal.emulated.pins import Net
+from hal.emulated.uart_bytes import SentBytes
+from hal.emulated.uart_wire import UartWire
+from hal.emulated.virtual_time import VirtualTime
+from host.capture.blocks import LINE_HEAD, SPI_HEAD
+
+Exchange = tuple[int, int, bytes, bytes]
+"""start, end in ns, MOSI, MISO."""
+
+MODEL = f"{__name__}:StandIn"
+
+
+class Diverged(BaseException):
+    """The firmware did something else than recorded. Unwinds it, as a power cut does."""
+
+    def __init__(self, wire: str, recorded: Exchange | None, replayed: Exchange) -> None:
+        super().__init__(wire)
+        self.wire = wire
+        self.recorded = recorded
+        """None: nothing more was recorded."""
+        self.replayed = replayed
+
+
+def with_stand_ins(description: Board) -> Board:
+    """The board with every chip exchanged for a stand-in."""
+    chips = {
+        refdes: chip.model_copy(update={"model": MODEL, "parameters": {"pin_names": tuple(chip.pins)}})
+        for refdes, chip in description.chips.items()
+    }
+    return description.model_copy(update={"chips": chips})
+
+
+class StandIn:
+    """One chip's place on the board. Has the doors that `boards.assembly` uses of a chip."""
+
+    def __init__(
+        self, _time: VirtualTime, tape: SpiTape, _line: UartWire | None = None, *, pin_names: tuple[str, ...]
+    ) -> None:
+        self.pins: dict[str, Net | None] = dict.fromkeys(pin_names)
+        self.transaction = tape.transaction
+
+    def receive(self, data: bytes, time_ns: int) -> None:
+        """What the board sends is compared on the wire."""
+
+    def power(self, on: bool) -> None:
+        """Whether the chip had power is in what it answered."""
+
+
+class SpiTape:
+    """The recorded transactions of one chip select."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.count = 0
+        """Transactions that have repeated."""
+        self._exchanges: deque[Exchange] = deque()
+        self._effects: dict[int, list[tuple[Net, bool]]] = {}
+
+    def load(self, block: bytes) -> set[int]:
+        """Append recorded transactions; returns when they start."""
+        place = 0
+        starts = []
+        head, size, append = SPI_HEAD.unpack_from, SPI_HEAD.size, self._exchanges.append
+        while place < len(block):
+            start_ns, duration_ns, n = head(block, place)
+            mosi = place + size
+            miso = mosi + n
+            place = miso + n
+            starts.append(start_ns)
+            append((start_ns, start_ns + duration_ns, block[mosi:miso], block[miso:place]))
+        return set(starts)
+
+    def load_effects(self, effects: dict[int, list[tuple[Net, bool]]]) -> None:
+        """Levels that change within the transactions that start at these times."""
+        self._effects = effects
+
+    @property
+    def waiting(self) -> Exchange | None:
+        """The recorded transaction that is to come next."""
+        return self._exchanges[0] if self._exchanges else None
+
+    def transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
+        """One chip-select low period; see `hal.emulated.spi.SpiSlave`. Raises Diverged."""
+        try:
+            recorded = self._exchanges.popleft()
+        except IndexError:
+            raise Diverged(self.name, None, (start_ns, end_ns, bytes(mosi), b"")) from None
+        if recorded[0] != start_ns or recorded[1] != end_ns or recorded[2] != mosi:
+            raise Diverged(self.name, recorded, (start_ns, end_ns, bytes(mosi), b""))
+        self.count += 1
+        if start_ns in self._effects:
+            for net, level in self._effects.pop(start_ns):
+                net.set(level)
+        return recorded[3]
+
+
+class NetTape:
+    """The recorded changes of one net that a chip drives."""
+
+    def __init__(self, net: Net) -> None:
+        self.net = net
+        self._changes: deque[int] = deque()
+        self._playing = False
+        self._unheard_ns = -1
+        net.on_first_listener = self._first_listener
+
+    def load(self, changes: Iterator[int]) -> None:
+        """Append changes (2·time + level) that are events."""
+        self._changes.extend(changes)
+        if self._changes and not self._playing:
+            self._playing = True
+            time = self.net.time
+            time.at(max(self._changes[0] >> 1, time.now), self._play)
+
+    def _play(self) -> int | None:
+        net, changes = self.net, self._changes
+        if not net.listened:
+            self._unheard_ns = net.time.now
+        net.set(bool(changes.popleft() & 1))
+        if changes:
+            return max(changes[0] >> 1, net.time.now)
+        self._playing = False
+        return None
+
+    def _first_listener(self) -> None:
+        net = self.net
+        if self._unheard_ns == net.time.now:
+            net.level = not net.level
+            net.set(not net.level)
+
+
+class LineTape:
+    """What was recorded on the line into one UART."""
+
+    def __init__(self, wire: UartWire) -> None:
+        self._wire = wire
+
+    def load(self, block: bytes) -> None:
+        """Put recorded pieces on the line, each when it was told."""
+        place = 0
+        while place < len(block):
+            told_ns, start_ns, first, baud, n = LINE_HEAD.unpack_from(block, place)
+            data = block[place + LINE_HEAD.size : place + LINE_HEAD.size + n]
+            place += LINE_HEAD.size + n
+            piece = SentBytes(data, start_ns, first, baud) if baud else start_ns
+            self._wire.time.at(max(told_ns, self._wire.time.now), lambda piece=piece: self._tell(piece))  # type: ignore[misc]
+
+    def _tell(self, piece: SentBytes | int) -> None:
+        if isinstance(piece, SentBytes):
+            self._wire.relay(piece)
+        else:
+            self._wire.retract(piece)
+
+
+class Recorded:
+    """Implements `boards.assembly.Surroundings`: each chip on a chip select gets its tape."""
+
+    def __init__(self, description: Board) -> None:
+        self._description = description
+        self.tapes: dict[str, SpiTape] = {}
+
+    def imu(self, refdes: str, chip: Any) -> Any:
+        """The tape of a chip."""
+        return self._tape(refdes, chip)
+
+    def gnss(self, refdes: str, chip: Any) -> Any:
+        """The tape of a chip."""
+        return self._tape(refdes, chip)
+
+    def log_sink(self, _name: str) -> Any:
+        """Nowhere: the log is made of what is compared already."""
+        return _drop
+
+    def _tape(self, refdes: str, chip: Any) -> SpiTape:
+        tape = SpiTape(f"{chip.bus}.{chip.name or refdes}")
+        if chip.bus is not None:
+            self.tapes[tape.name] = tape
+        return tape
+
+
+def _drop(_block: bytes) -> None:
+    pass
