@@ -14,6 +14,7 @@ from boards.description import Board
 from host.capture.blocks import SpiTransaction
 from host.capture.reader import CaptureReader, Decoded
 from host.record.errors import UserError
+from host.record.run_data import NAVIGATING
 from host.replay.inertial_samples import DECODERS, InertialSamples
 from host.replay.road import NS, Road
 from host.sim.gnss.schedule import Window, held, window
@@ -31,17 +32,27 @@ H_ACC_M, V_ACC_M, S_ACC_MPS = 3.0, 5.0, 0.1
 
 
 class RecordedEpochs:
-    """Implements `boards.chips.world.GnssWorld` from rows of /gnss, linear between neighbours with a fix."""
+    """Implements `boards.chips.world.GnssWorld` from rows of /gnss, linear between neighbours with a fix.
+
+    NMEA tells no vertical velocity; that of the recorded solution then takes its place.
+    """
 
     def __init__(
-        self, rows: Sequence[Mapping[str, Any]], scenario: Scenario, outages: Sequence[Window]
+        self,
+        rows: Sequence[Mapping[str, Any]],
+        solutions: Sequence[Mapping[str, Any]],
+        scenario: Scenario,
+        outages: Sequence[Window],
     ) -> None:
         fixed = [row for row in rows if row["fix"] == 1 and row["height_m"] is not None]
         self._t = np.array([row["t_s"] for row in fixed], dtype=np.float64)
         names = ("latitude_deg", "longitude_deg", "height_m", "v_north_mps", "v_east_mps", "v_down_mps")
-        table = [[row[name] if row[name] is not None else 0.0 for name in names] for row in fixed]
+        table = [[row[name] for name in names] for row in fixed]
         self._rows = np.array(table, dtype=np.float64).reshape(-1, 6)
         self._rows[:, :2] = np.radians(self._rows[:, :2])
+        missing = np.isnan(self._rows[:, 5])
+        self._rows[missing, 5] = _climb(solutions, self._t[missing])
+        self._rows = np.nan_to_num(self._rows)
         settings = scenario.gnss
         self._start = scenario.start
         self._latency_ns = round(settings.latency_s * NS)
@@ -94,6 +105,16 @@ class RecordedEpochs:
         return state, True
 
 
+def _climb(solutions: Sequence[Mapping[str, Any]], t: Array) -> Array:
+    """Downward velocity of the recorded solution; 0 where there is none."""
+    known = [row for row in solutions if (row["mode"] or 0) >= NAVIGATING and row["v_down_mps"] is not None]
+    if not known:
+        return np.zeros(len(t))
+    times = [row["t_s"] for row in known]
+    climb: Array = np.interp(t, times, [row["v_down_mps"] for row in known], left=0.0)
+    return climb
+
+
 class FeltImu(RecordedImu):
     """A recorded sensor with its temperature."""
 
@@ -136,7 +157,8 @@ class RecordedVehicle:
 
     def gnss(self, name: str, lever_arm: Array) -> RecordedEpochs:
         """The recorded receiver."""
-        return RecordedEpochs(self._capture.rows["/gnss"], self._scenario, self.outages)
+        rows = self._capture.rows
+        return RecordedEpochs(rows["/gnss"], rows["/solution"], self._scenario, self.outages)
 
     def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
         """Of the navigation point; the sensor's true bias is not known."""
