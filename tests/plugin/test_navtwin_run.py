@@ -98,6 +98,15 @@ def test_equal_runs_are_made_once_in_a_session(navtwin_run, requests):
     assert [request.seed for request in requests] == [21, 22]
 
 
+def test_a_long_session_forgets_its_oldest_runs(navtwin_run, requests):
+    for seed in range(100, 165):
+        navtwin_run("tilt", seed=seed)
+    navtwin_run("tilt", seed=164)
+    assert len(requests) == 65
+    navtwin_run("tilt", seed=100)
+    assert len(requests) == 66
+
+
 def test_figures_by_name(navtwin_run, requests):
     run = navtwin_run("tilt", seed=23)
     assert run["yaw_rms_deg"] == run["metrics.yaw_rms_deg"] == 0.25
