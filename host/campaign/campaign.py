@@ -78,10 +78,11 @@ def run_campaign(
     executor: Executor,
     *,
     kind: str = "campaign",
+    fresh: bool = False,
     notice: Notice | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Finished:
-    """Do what of the campaign is not done yet. Finished runs are kept whatever happens.
+    """Do what of the campaign is not done yet, or all of it when `fresh`; finished runs are always kept.
 
     Raises UserError for what the user can mend, before the first run where that is possible; OSError when
     the disk is full.
@@ -89,7 +90,7 @@ def run_campaign(
     must_have_parquet()
     manifest = campaign_manifest(plan, kind)
     check_setups(plan, notice)
-    with open_folder(folder, manifest) as journal:
+    with open_folder(folder, manifest, fresh) as journal:
         jobs = list(plan.jobs())
         waiting = [job for job in jobs if _is_to_do(journal, job)]
         try:

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from host.campaign.identity import CAMPAIGN_FORMAT, differences, fingerprint
-from host.campaign.journal import JOURNAL, Journal
+from host.campaign.journal import JOURNAL, TIMES, Journal
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 
@@ -15,12 +15,21 @@ MANIFEST = "campaign.json"
 RESULT = "runs.parquet"
 SUMMARY = "summary.json"
 REPORT = "report.html"
+CURVES = "curves.csv"
+SHEET, SHEET_PAGE = "faults.csv", "faults.html"
+OWN_FILES = (MANIFEST, JOURNAL, TIMES, RESULT, SUMMARY, REPORT, CURVES, SHEET, SHEET_PAGE)
 
 
-def open_folder(folder: Path, manifest: dict[str, Any]) -> Journal:
-    """Begin a campaign in a new folder, or go on with the same one. Raises UserError for any other folder."""
+def open_folder(folder: Path, manifest: dict[str, Any], fresh: bool = False) -> Journal:
+    """Begin a campaign in a new folder, or go on with the same one; `fresh`: forget an earlier one there.
+
+    Raises UserError for a folder that holds anything else.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
+        if fresh and (folder / MANIFEST).is_file():
+            for name in OWN_FILES:
+                (folder / name).unlink(missing_ok=True)
         empty = not any(folder.iterdir())
     except FileExistsError:
         raise UserError(f"--out {folder}: is a file; name a folder, e.g. --out runs/nightly") from None
@@ -60,8 +69,5 @@ def _must_be_the_same(folder: Path, there: dict[str, Any], asked: dict[str, Any]
     if changed:
         raise UserError(
             f"--out {folder}: holds a campaign that differs in {', '.join(changed)}, so its runs cannot be"
-            " mixed with these; name a new folder, or remove that one"
+            " mixed with these; name a new folder, or begin anew with --fresh"
         )
-
-
-__all__ = ["JOURNAL", "MANIFEST", "REPORT", "RESULT", "SUMMARY", "open_folder", "read_manifest"]

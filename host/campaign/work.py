@@ -31,7 +31,7 @@ _warm = False
 def work(job: Job, reduce: Reduce, alive: Callable[[], None] | None = None) -> Outcome:
     """Do a run. What fails, fails as a row; `alive` is called now and then and may end the process."""
     with _one_at_a_time:
-        begin = time.perf_counter()
+        begin, begin_cpu = time.perf_counter(), time.process_time()
         try:
             result = _run(job, alive)
             outcome = Outcome(job.key, job.number, finished(job, result), reduce(result))
@@ -42,7 +42,11 @@ def work(job: Job, reduce: Reduce, alive: Callable[[], None] | None = None) -> O
             row = failed(job, f"{type(error).__name__}: {error}")
             outcome, times = Outcome(job.key, job.number, row), {"traceback": traceback.format_exc()}
         settle_once()
-        times |= {"total_s": time.perf_counter() - begin, "process": os.getpid()}
+        times |= {
+            "total_s": time.perf_counter() - begin,
+            "cpu_s": time.process_time() - begin_cpu,
+            "process": os.getpid(),
+        }
         return replace(outcome, times=times)
 
 

@@ -45,6 +45,7 @@ Markdown = Annotated[
     Path | None, typer.Option("--markdown", metavar="FILE", help="A summary for the page of a merge.")
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no tables.")]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Forget an earlier campaign in the folder --out.")]
 Share = Annotated[
     str, typer.Option("--pass-share", metavar="95%", help="So many runs must meet all expectations.")
 ]
@@ -69,6 +70,7 @@ def campaign_command(
         Path | None,
         typer.Option("--out", metavar="DIR", help="Default: runs/campaign-BOARD-SCENARIO."),
     ] = None,
+    fresh: Fresh = False,
     json: Json = None,
     markdown: Markdown = None,
     baseline: Baseline = None,
@@ -87,7 +89,7 @@ def campaign_command(
         from host.cli.campaign_run import Outputs, ask, execute
 
         asked = ask(board, scenario, seeds, profile, changes, data)
-        outputs = Outputs(out, json, markdown, quiet, pass_share, baseline, tolerance)
+        outputs = Outputs(out, json, markdown, quiet, fresh, pass_share, baseline, tolerance)
         return execute(asked, outputs, workers, scheduler)
 
     guarded(command)

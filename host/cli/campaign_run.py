@@ -39,6 +39,7 @@ class Outputs:
     json: str | None
     markdown: Path | None
     quiet: bool
+    fresh: bool = False
     pass_share: str = "100%"
     baseline: Path | None = None
     tolerance: str = "5%"
@@ -80,7 +81,13 @@ def run_and_tell(
     executor = make_executor(plan, workers, scheduler)
     with progress_bar(f"{Path(plan.board).name} {Path(plan.scenario).stem}", outputs.quiet) as progress:
         finished = run_campaign(
-            plan, folder, executor, kind=kind, notice=standard_error().print, progress=progress
+            plan,
+            folder,
+            executor,
+            kind=kind,
+            fresh=outputs.fresh,
+            notice=standard_error().print,
+            progress=progress,
         )
     summary = summarised(finished)
     comparison = None if baseline is None else _compared(baseline, finished, tolerance)

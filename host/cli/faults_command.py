@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from host.cli.campaign_command import Board, Changes, Data, Quiet, Scenario, Scheduler, Workers
+from host.cli.campaign_command import Board, Changes, Data, Fresh, Quiet, Scenario, Scheduler, Workers
 from host.cli.exit_codes import guarded
 
 
@@ -33,6 +33,7 @@ def faults_command(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Default: runs/faults-BOARD-SCENARIO.")
     ] = None,
+    fresh: Fresh = False,
     data: Data = None,
     quiet: Quiet = False,
 ) -> None:
@@ -48,6 +49,6 @@ def faults_command(
         asked = FaultRequest(
             board, scenario, seed, profile, at_s, duration_s, only, tuple(changes or ()), data
         )
-        return execute_faults(asked, out, workers, scheduler, quiet)
+        return execute_faults(asked, out, workers, scheduler, fresh, quiet)
 
     guarded(command)

@@ -10,14 +10,13 @@ from host.campaign.campaign import run_campaign
 from host.campaign.fault_effect import fault_course
 from host.campaign.fault_plan import NO_FAULT, possible, strikes
 from host.campaign.fault_sheet import effects, left_out, section, sheet_csv, sheet_page, verdict
+from host.campaign.folder import SHEET, SHEET_PAGE
 from host.campaign.plan import Plan, parse_values
 from host.cli.campaign_run import ask, default_folder, make_executor, progress_bar
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.terminal import print_section, standard_error, standard_output
 from host.record.atomic import write_whole
 from host.record.errors import UserError
-
-SHEET, PAGE = "faults.csv", "faults.html"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +35,12 @@ class FaultRequest:
 
 
 def execute_faults(
-    asked: FaultRequest, out: Path | None, workers: int | None, scheduler: str | None, quiet: bool
+    asked: FaultRequest,
+    out: Path | None,
+    workers: int | None,
+    scheduler: str | None,
+    fresh: bool,
+    quiet: bool,
 ) -> int:
     """Run all faults. Returns the exit code. Raises UserError."""
     if asked.duration_s <= 0:
@@ -58,18 +62,24 @@ def execute_faults(
     folder = out or default_folder(plan, "faults")
     with progress_bar(f"{Path(plan.board).name} faults", quiet) as progress:
         finished = run_campaign(
-            plan, folder, executor, kind="faults", notice=standard_error().print, progress=progress
+            plan,
+            folder,
+            executor,
+            kind="faults",
+            fresh=fresh,
+            notice=standard_error().print,
+            progress=progress,
         )
     found = effects(finished, can)
     write_whole(folder / SHEET, sheet_csv(found), "--out")
-    write_whole(folder / PAGE, sheet_page(finished.manifest, found, cannot), "--out")
+    write_whole(folder / SHEET_PAGE, sheet_page(finished.manifest, found, cannot), "--out")
     console = standard_output()
     if not quiet:
         for table in (section(found), left_out(cannot)):
             if table.rows:
                 print_section(console, table)
     console.print(verdict(found), soft_wrap=True)
-    console.print(f"sheet: {folder / SHEET}  report: {folder / PAGE}", soft_wrap=True)
+    console.print(f"sheet: {folder / SHEET}  report: {folder / SHEET_PAGE}", soft_wrap=True)
     return EXIT_MET if all(one.ok for one in found) else EXIT_NOT_MET
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -10,6 +11,7 @@ import typer
 
 from host.cli.baseline_command import app as baseline_app
 from host.cli.campaign_command import Baseline, Tolerance, campaign_command
+from host.cli.capture_command import app as capture_app
 from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
 from host.cli.faults_command import faults_command
 from host.cli.new_command import app as new_app
@@ -156,6 +158,7 @@ app.command("campaign")(campaign_command)
 app.command("sweep")(sweep_command)
 app.command("faults")(faults_command)
 app.add_typer(baseline_app, name="baseline")
+app.add_typer(capture_app, name="capture")
 app.command("replay")(replay_command)
 
 
@@ -164,6 +167,8 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace")
+    # What ends a job on a CI server is told and kept as an interruption by hand.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         code = app(standalone_mode=False)
     except UsageError as error:

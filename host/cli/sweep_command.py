@@ -11,6 +11,7 @@ from host.cli.campaign_command import (
     Board,
     Changes,
     Data,
+    Fresh,
     Json,
     Markdown,
     Profiles,
@@ -47,6 +48,7 @@ def sweep_command(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="DIR", help="Default: runs/sweep-BOARD-SCENARIO-KEY.")
     ] = None,
+    fresh: Fresh = False,
     json: Json = None,
     markdown: Markdown = None,
     data: Data = None,
@@ -62,7 +64,7 @@ def sweep_command(
         from host.cli.campaign_run import Outputs
         from host.cli.sweep_run import execute_sweep
 
-        outputs = Outputs(out, json, markdown, quiet, "0%")
+        outputs = Outputs(out, json, markdown, quiet, fresh, "0%")
         asked = (board, scenario, seeds, profile, changes, data)
         return execute_sweep(asked, key, values, outputs, workers, scheduler)
 

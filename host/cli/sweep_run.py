@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from host.campaign.folder import CURVES
 from host.campaign.plan import parse_values
 from host.campaign.quantities import quantity
 from host.campaign.summary import Summary, summarised
@@ -16,7 +17,6 @@ from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 
-CURVES = "curves.csv"
 Asked = tuple[str, str | None, str, str | None, Sequence[str] | None, Path | None]
 
 

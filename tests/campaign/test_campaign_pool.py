@@ -9,12 +9,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from campaign_rig import REST
+from campaign_rig import REST, rows
 
 from host.campaign.campaign import run_campaign
 from host.campaign.journal import Outcome
 from host.campaign.plan import Plan
 from host.campaign.pool import LocalPool
+from host.campaign.summary import summarised
 from host.record.result import RunResult
 
 PLAN = Plan("car_mems", str(REST), ("full-rate",), (1, 2, 3, 4), ("duration_s=3",))
@@ -63,6 +64,18 @@ def test_error_in_a_run_is_its_row_and_the_worker_goes_on() -> None:
     assert not found[1].again
     assert "fail_with_seed_2" in found[1].times["traceback"]
     assert [found[number].row["status"] for number in (0, 2, 3)] == ["finished"] * 3
+
+
+def test_failed_run_is_a_row_of_the_result_and_of_the_summary(tmp_path: Path) -> None:
+    finished = run_campaign(PLAN, tmp_path / "c", LocalPool(1, fail_with_seed_2, FIRST))
+    found = rows(tmp_path / "c")
+    assert [row["status"] for row in found] == ["finished", "failed", "finished", "finished"]
+    assert found[1]["error"] == "ValueError: seed 2 is not to be had"
+    assert found[1]["state_hash"] is None
+    assert len(found[2]["state_hash"]) == 64
+    summary = summarised(finished)
+    assert summary.failures == (("full-rate seed=2", found[1]["error"]),)
+    assert not summary.ok(1.0)
 
 
 def test_worker_that_exits_is_told_with_its_code() -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import signal
@@ -65,6 +66,18 @@ def test_another_campaign_in_the_same_folder_is_refused(whole: Path) -> None:
     assert "differs in seeds, swept" in result.stderr
 
 
+def test_fresh_begins_anew_in_a_folder_of_ours_only(tmp_path: Path) -> None:
+    short = ("--set", "duration_s=3", "--set", "expect={}", "-j", 1)
+    assert campaign(tmp_path / "c", *short, seeds="1-2").exit_code == 0
+    assert campaign(tmp_path / "c", *short, seeds="4").exit_code == 2
+    assert campaign(tmp_path / "c", *short, "--fresh", seeds="4").exit_code == 0
+    assert [row["seed"] for row in rows(tmp_path / "c")] == [4]
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "runs.jsonl").write_text("mine")
+    assert campaign(tmp_path / "mine", *short, "--fresh", seeds="4").exit_code == 2
+    assert (tmp_path / "mine" / "runs.jsonl").read_text() == "mine"
+
+
 def test_summary_agrees_with_the_rows(whole: Path) -> None:
     found = summary(whole)
     assert (found["runs"], found["failed"], found["met"], found["ok"]) == (6, 0, 6, True)
@@ -118,6 +131,30 @@ def test_killed_campaign_goes_on_and_loses_the_runs_under_way_only(tmp_path: Pat
     campaign(tmp_path / "whole", "-j", 2, seeds="1-12")
     for name in FILES:
         assert (tmp_path / "killed" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes(), name
+
+
+def test_full_disk_is_one_message_and_the_campaign_goes_on_afterwards(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    really, written = os.pwrite, []
+
+    def until_full(file: int, data: bytes, at: int) -> int:
+        written.append(at)
+        if len(written) > 3:  # the header and two runs
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return really(file, data, at)
+
+    short = ("--set", "duration_s=3", "--set", "expect={}", "-j", 2)
+    monkeypatch.setattr(os, "pwrite", until_full)
+    result = campaign(tmp_path / "c", *short, seeds="1-5")
+    monkeypatch.undo()
+    assert result.exit_code == 2
+    assert result.stderr.count("\n") == 1
+    assert f"{tmp_path / 'c' / JOURNAL}: No space left on device" in result.stderr
+    assert len(rows(tmp_path / "c")) == 2
+    result = campaign(tmp_path / "c", *short, seeds="1-5")
+    assert result.exit_code == 0
+    assert "(2 of them were there already)" in result.output
 
 
 def test_interrupt_ends_at_once_and_keeps_what_is_finished(tmp_path: Path) -> None:
