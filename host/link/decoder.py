@@ -99,7 +99,8 @@ class LinkDecoder:
             elif _crc(pending[at + 2 : end]) != pending[end] | pending[end + 1] << 8:
                 self.bad_crc += 1
             else:
-                self._between(pending[between:at], found)
+                if at > between:
+                    self._between(pending[between:at], found)
                 self._count(pending[at + 4])
                 found.append((pending[at + 2], pending[at + HEADER_LENGTH : end]))
                 between = end + CRC_LENGTH
@@ -107,7 +108,8 @@ class LinkDecoder:
                 continue
             at = pending.find(SYNC, at + 1)
         keep = len(pending) if final else self._undecided(pending, between, at)
-        self._between(pending[between:keep], found)
+        if keep > between:
+            self._between(pending[between:keep], found)
         del self._pending[:keep]
         return found
 
@@ -122,8 +124,6 @@ class LinkDecoder:
 
     def _between(self, data: bytes, found: list[tuple[int, bytes]]) -> None:
         """What stands between two frames: sentences and garbage."""
-        if not data:
-            return
         garbage = len(data)
         for match in _SENTENCE.finditer(data):
             if functools.reduce(operator.xor, match[1]) == int(match[2], 16):

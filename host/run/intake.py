@@ -86,8 +86,7 @@ class LinkIntake:
                 self._recorder.add_event(at_ns, "board", payload.decode(errors="replace"))
         self._bytes.clear()
         self._take_gnss(_rows(frames.GNSS, payloads))
-        for row in _rows(frames.COVARIANCE, payloads):
-            self._take_covariance(row)
+        self._take_covariances(_rows(frames.COVARIANCE, payloads))
         for row in _rows(frames.INNOVATION, payloads):
             values = row[2:]
             self._recorder.add_innovation(
@@ -153,12 +152,15 @@ class LinkIntake:
         self.tags.add(tagged_ns - times_ns, truth.v_ned)
         self._recorder.add_gnss(epochs, motion(truth))
 
-    def _take_covariance(self, row: tuple[float, ...]) -> None:
-        covariance = np.zeros((9, 9))
-        covariance[UPPER] = row[1:]
-        covariance = covariance + np.triu(covariance, 1).T
-        if covariance[0, 0] > 0.0:
-            self._recorder.add_covariance(self._seconds(row[0]), covariance)
+    def _take_covariances(self, rows: list[tuple[float, ...]]) -> None:
+        if not rows:
+            return
+        covariances = np.zeros((len(rows), 9, 9))
+        rows_of, columns_of = UPPER
+        covariances[:, rows_of, columns_of] = covariances[:, columns_of, rows_of] = np.array(rows)[:, 1:]
+        for row, covariance in zip(rows, covariances, strict=True):
+            if covariance[0, 0] > 0.0:
+                self._recorder.add_covariance(self._seconds(row[0]), covariance)
 
     def _take_biases(self, rows: list[tuple[float, ...]]) -> None:
         if not rows:
