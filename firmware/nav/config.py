@@ -111,7 +111,7 @@ class NavConfig:
     constraint: bool = True
     """Non-holonomic: no velocity sideways nor through the floor."""
     constraint_period: float = 0.5
-    constraint_noise: float = 0.2
+    constraint_noise: float = 0.12
     """Slip, sway and the road's camber last for a second or two: what is white at this rate."""
     constraint_turn_noise: float = 0.05
     """m/s per m/s² of centripetal acceleration: the slip of the tyres."""

@@ -2,7 +2,9 @@
 
     r += δr    v += δv    q_nb ← q(φ) ⊗ q_nb    parameters += theirs
 
-After a large rotation φ̂ the attitude error is counted from another attitude (attitude_reset).
+After a large rotation φ̂ the attitude error is counted from another attitude (attitude_reset). At rest the
+error of the accelerometer bias is counted in the axes in which rest began, C_f, as the error model has it
+(prediction): b_a += C_n_bᵀ C_f δb_a.
 """
 
 import numpy as np
@@ -54,8 +56,23 @@ def feed_back(f, i):
         bw, bx, by, bz, f[at.QUATERNION], f[at.QUATERNION + 1], f[at.QUATERNION + 2], f[at.QUATERNION + 3]
     )
     set_attitude(f, w, x, y, z)
+    if f[at.AT_REST] != ZERO:
+        _turn_accelerometer_correction(f)
     for k in range(np.int32(at.PARAMETERS)):
         f[at.GYRO_BIAS + k] += f[c + at.X_GYRO_BIAS + k]
     if px * px + py * py + pz * pz > LARGE_ROTATION_SQUARE:
         turn_attitude_error(f, HALF * px, HALF * py, HALF * pz)
     begin_interval(f)
+
+
+@kernel
+def _turn_accelerometer_correction(f):
+    """From the axes of the error model to those of the present attitude."""
+    a = at.SINCE_C_N_B
+    b = at.C_N_B
+    d = at.CORRECTION + at.X_ACCEL_BIAS
+    north = f[a] * f[d] + f[a + 1] * f[d + 1] + f[a + 2] * f[d + 2]
+    east = f[a + 3] * f[d] + f[a + 4] * f[d + 1] + f[a + 5] * f[d + 2]
+    down = f[a + 6] * f[d] + f[a + 7] * f[d + 1] + f[a + 8] * f[d + 2]
+    for k in range(np.int32(3)):
+        f[d + k] = f[b + k] * north + f[b + 3 + k] * east + f[b + 6 + k] * down

@@ -18,7 +18,7 @@ from firmware.nav.flags import IMU_GAP, LEVELLING, NAVIGATING, WAITING, report
 from firmware.nav.history import remember, seconds_between
 from firmware.nav.levelling import begin_levelling, integrate_samples, level_by_window
 from firmware.nav.plausibility import is_plausible
-from firmware.nav.prediction import predict
+from firmware.nav.prediction import leave_rest, predict
 from firmware.nav.restart import keep_good_state, restart, state_is_sound
 from firmware.nav.standstill import close_window, rest_updates, state_is_still, was_rest, watch
 from firmware.nav.strapdown import advance_between_samples, advance_by_mean
@@ -88,14 +88,7 @@ def imu_step(f, i, t_ns, dt, wx, wy, wz, ax, ay, az):
         if dt > ZERO:
             _follow_up(f, i, dt)
     if closed:
-        quiet = close_window(f, i)
-        if i[at.MODE] != NAVIGATING:
-            level_by_window(f, i, quiet)
-        else:
-            still = quiet and state_is_still(f)
-            f[at.AT_REST] = ONE if still else ZERO
-            if was_rest(f, i, quiet) and still and i[cfg.STANDSTILL_ON] != 0:
-                rest_updates(f, i)
+        _look_back(f, i, close_window(f, i))
 
 
 @kernel
@@ -132,6 +125,21 @@ def _begin_again(f, i, t_ns, dead):
     i[at.WINDOW_SAMPLES] = 0
     i[at.GOOD_SAMPLE_TIME] = t_ns
     i[at.HAVE_SAMPLE] = 1
+
+
+@kernel
+def _look_back(f, i, quiet):
+    """What the window just closed tells."""
+    if i[at.MODE] != NAVIGATING:
+        level_by_window(f, i, quiet)
+        return
+    still = quiet and state_is_still(f)
+    if still:
+        f[at.AT_REST] = ONE
+    elif f[at.AT_REST] != ZERO:
+        leave_rest(f)
+    if was_rest(f, i, quiet) and still and i[cfg.STANDSTILL_ON] != 0:
+        rest_updates(f, i)
 
 
 @kernel

@@ -42,6 +42,7 @@ RESPONSE = at.X_YAW_RESPONSE - at.X_GYRO_BIAS
 LEAST_DECAY = np.float32(0.1)
 N = np.int32(at.STATES)
 THREE = np.int32(3)
+THREE_F = np.float32(3.0)
 
 
 @kernel
@@ -58,6 +59,20 @@ def begin_interval(f):
     f[at.LOST_YAW] = ZERO
     f[at.LOST_VELOCITY] = ZERO
     f[at.LOST_POSITION] = ZERO
+
+
+@kernel
+def leave_rest(f):
+    """The error model takes the present attitude again; accelerometer biases were counted in other axes."""
+    cosine = ZERO
+    for k in range(np.int32(9)):
+        cosine += f[at.SINCE_C_N_B + k] * f[at.C_N_B + k]
+    square = max(THREE_F - cosine, ZERO)
+    for k in range(THREE):
+        add_variance(f, at.X_ACCEL_BIAS + k, square * f[cfg.ACCEL_BIAS_VARIANCE])
+    f[at.AT_REST] = ZERO
+    for k in range(np.int32(9)):
+        f[at.SINCE_C_N_B + k] = f[at.C_N_B + k]
 
 
 @kernel
