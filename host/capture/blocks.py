@@ -134,6 +134,12 @@ Traffic = SpiTransaction | LinePiece | LineCut | UartChunk | CanMessage | PinEdg
 
 def unpack(schema: str, topic: str, block: bytes) -> Iterator[Traffic]:
     """The records of one block, in their order. ValueError when the block ends inside a record."""
+    for record, _begin, _end in spans(schema, topic, block):
+        yield record
+
+
+def spans(schema: str, topic: str, block: bytes) -> Iterator[tuple[Traffic, int, int]]:
+    """The records of one block with their places in it, [begin, end). ValueError as `unpack`."""
     read = READERS[schema]
     place = 0
     while place < len(block):
@@ -143,8 +149,21 @@ def unpack(schema: str, topic: str, block: bytes) -> Iterator[Traffic]:
             end = len(block) + 1
         if end > len(block):
             raise ValueError(f"{topic}: a block of {len(block)} bytes ends inside the record at byte {place}")
-        yield record
+        yield record, place, end
         place = end
+
+
+def time_of(record: Traffic) -> int:
+    """When a record belongs into the file: ns."""
+    match record:
+        case SpiTransaction():
+            return record.start_ns
+        case LinePiece() | LineCut():
+            return record.told_ns
+        case PinEdge() | Mark():
+            return record.time_ns
+        case _:
+            return record.end_ns
 
 
 def can_records(heard: Sequence[tuple[CanFrame, int]]) -> bytes:

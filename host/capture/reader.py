@@ -35,6 +35,22 @@ class Decoded:
     value: dict[str, Any]
 
 
+@dataclass(frozen=True, slots=True)
+class RawMessage:
+    """One message of the file."""
+
+    topic: str
+    encoding: str
+    schema: Schema
+    time_ns: int
+    data: bytes
+
+    @property
+    def is_raw(self) -> bool:
+        """Whether it is a block of raw records."""
+        return self.schema.name in SCHEMAS
+
+
 @dataclass(slots=True)
 class Window:
     """The raw traffic up to a mark."""
@@ -58,6 +74,8 @@ class CaptureReader:
         self._schemas: dict[int, Schema] = {}
         self._channels: dict[int, Channel] = {}
         self._raw_schemas: dict[str, str | None] = {}
+        self.whole_bytes = 0
+        """So much of the file could be read."""
 
     def __iter__(self) -> Iterator[Traffic | Decoded]:
         with self._opened() as file:
@@ -66,6 +84,19 @@ class CaptureReader:
                     yield from self._message(record)
                 else:
                     self._note(record)
+
+    def messages(self) -> Iterator[RawMessage]:
+        """Every message as it stands in the file."""
+        with self._opened() as file:
+            for record in self._records(file):
+                if not isinstance(record, Message):
+                    self._note(record)
+                    continue
+                channel = self._channels[record.channel_id]
+                schema = self._schemas[channel.schema_id]
+                yield RawMessage(
+                    channel.topic, channel.message_encoding, schema, record.log_time, record.data
+                )
 
     def windows(self) -> Iterator[Window]:
         """The raw traffic alone, from mark to mark, without unpacking it; the last one of a run that reached
@@ -118,6 +149,14 @@ class CaptureReader:
         """The raw topics that have been declared by now."""
         return [c.topic for c in self._channels.values() if self.raw_schema(c.topic) is not None]
 
+    @property
+    def declared(self) -> list[tuple[str, str, Schema]]:
+        """(topic, message encoding, schema) of all topics that have been declared by now."""
+        return [
+            (channel.topic, channel.message_encoding, self._schemas[channel.schema_id])
+            for channel in self._channels.values()
+        ]
+
     def _opened(self) -> BinaryIO:
         try:
             return self.path.open("rb")
@@ -140,6 +179,7 @@ class CaptureReader:
                     reason = str(error) or "it ends before the manifest"
                     raise self._foreign(reason) from None
                 return
+            self.whole_bytes = file.tell()
             yield record
 
     def _foreign(self, reason: str) -> UserError:

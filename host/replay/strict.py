@@ -87,9 +87,9 @@ def replay_strict(request: ReplayRequest) -> StrictResult:
     reader = CaptureReader(request.capture)
     windows = reader.windows()
     first = list(islice(windows, WARM_UP_WINDOWS))
+    setup = _checked_setup(reader, request)
     if not first:
         raise UserError(f"capture {request.capture}: it was cut off before anything was recorded")
-    setup = _checked_setup(reader, request)
     _warm_up(setup, reader, first, request)
     player = Player(setup, reader.raw_topics, int(reader.manifest["seed"]))
 
@@ -229,6 +229,12 @@ def _checked_setup(reader: CaptureReader, request: ReplayRequest) -> Setup:
         raise UserError(
             f"capture {request.capture}: its format is {reader.format}; a strict replay needs"
             f" {CAPTURE_FORMAT} (pins and exact times of lines); record it anew with navtwin run"
+        )
+    begin_s = reader.manifest.get("cut", {}).get("from_s", 0.0)
+    if begin_s > 0.0:
+        raise UserError(
+            f"capture {request.capture}: it was cut and begins at {begin_s:g} s; a strict replay begins where"
+            " the board was switched on: cut with --from 0, or use --mode physical"
         )
     setup = recorded_setup(reader.manifest, request.board, request.profile)
     recorded = str(reader.manifest["board"])

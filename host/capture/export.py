@@ -1,0 +1,199 @@
+"""Captures in the formats of other tools."""
+
+from __future__ import annotations
+
+import csv
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from boards.hints import did_you_mean
+from host.capture.blocks import CanMessage, LineCut, LinePiece, PinEdge, SpiTransaction, Traffic, UartChunk
+from host.capture.reader import CaptureReader, Decoded
+from host.capture.tables_of import Row, row_of
+from host.record.errors import UserError
+
+ROWS_AT_ONCE = 20_000
+SPI_SELECT = "select"
+
+
+def export(capture: Path, kind: str, target: Path, topic: str | None) -> list[Path]:
+    """Write a capture, or one topic of it, as `kind`; returns the files made.
+
+    csv, parquet: a folder with one file a topic; nmea, candump, vcd: one file. Raises UserError.
+    """
+    if kind not in KINDS:
+        raise UserError(f"--format {kind}: no such format; {did_you_mean(kind, KINDS)}")
+    if target.exists() and (target.is_file() or any(target.iterdir())):
+        raise UserError(f"-o {target}: exists already; name a new file or folder")
+    try:
+        made = KINDS[kind](CaptureReader(capture), target, topic)
+    except OSError as error:
+        raise UserError(f"-o {target}: cannot be written: {error.strerror}") from None
+    if not made:
+        what = "" if topic is None else f" under {topic}"
+        raise UserError(f"capture {capture}: holds nothing for {kind}{what}")
+    return made
+
+
+def _tables(reader: CaptureReader, topic: str | None) -> Iterator[tuple[str, list[Row]]]:
+    """Rows in portions, topic by topic as they come."""
+    waiting: dict[str, list[Row]] = {}
+    for record in reader:
+        found = row_of(record)
+        if found is None or (topic is not None and found[0] != topic):
+            continue
+        name, row = found
+        rows = waiting.setdefault(name, [])
+        rows.append(row)
+        if len(rows) >= ROWS_AT_ONCE:
+            yield name, rows
+            waiting[name] = []
+    yield from ((name, rows) for name, rows in waiting.items() if rows)
+
+
+def file_name(topic: str) -> str:
+    """Of a topic: /uart/gnss/rx becomes uart-gnss-rx."""
+    return topic.strip("/").replace("/", "-")
+
+
+def _csv(reader: CaptureReader, target: Path, topic: str | None) -> list[Path]:
+    target.mkdir(parents=True, exist_ok=True)
+    made: dict[str, Path] = {}
+    for name, rows in _tables(reader, topic):
+        is_new = name not in made
+        made[name] = target / f"{file_name(name)}.csv"
+        with made[name].open("a", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, list(rows[0]))
+            if is_new:
+                writer.writeheader()
+            writer.writerows(rows)
+    return list(made.values())
+
+
+def _parquet(reader: CaptureReader, target: Path, topic: str | None) -> list[Path]:
+    try:
+        import pyarrow as pa
+        from pyarrow import parquet
+    except ImportError:
+        raise UserError("--format parquet needs pyarrow: pip install 'navtwin[campaign]'") from None
+    target.mkdir(parents=True, exist_ok=True)
+    writers: dict[str, Any] = {}
+    made: dict[str, Path] = {}
+    try:
+        for name, rows in _tables(reader, topic):
+            if name not in writers:
+                fields = [(column, _arrow_type(pa, column)) for column in rows[0]]
+                made[name] = target / f"{file_name(name)}.parquet"
+                writers[name] = parquet.ParquetWriter(made[name], pa.schema(fields))
+            writers[name].write_table(pa.Table.from_pylist(rows, writers[name].schema))
+    finally:
+        for writer in writers.values():
+            writer.close()
+    return list(made.values())
+
+
+def _arrow_type(pa: Any, column: str) -> Any:
+    if column in ("mosi", "miso", "data", "source", "text"):
+        return pa.string()
+    if column in ("identifier", "baud"):
+        return pa.int64()
+    return pa.bool_() if column == "extended" else pa.float64()
+
+
+def _nmea(reader: CaptureReader, target: Path, topic: str | None) -> list[Path]:
+    """Sentences that came into a UART, with a checksum that is right, one a line."""
+    lines: dict[str, bytearray] = {}
+    sentences = 0
+    with target.open("wb") as file:
+        for record in reader:
+            if isinstance(record, LineCut | LinePiece) or (
+                isinstance(record, UartChunk) and record.direction == "rx"
+            ):
+                if topic is not None and topic != f"/uart/{record.port}/rx":
+                    continue
+                buffer = lines.setdefault(record.port, bytearray())
+                buffer += b"\n" if isinstance(record, LineCut) else record.data
+                *whole, rest = bytes(buffer).split(b"\n")
+                lines[record.port] = bytearray(rest)
+                good = [line for line in map(_sentence, whole) if line is not None]
+                sentences += len(good)
+                file.writelines(good)
+    if not sentences:
+        target.unlink()
+        return []
+    return [target]
+
+
+def _sentence(line: bytes) -> bytes | None:
+    """A line's sentence when its checksum is right."""
+    start = line.rfind(b"$")
+    body, star, checksum = line[start + 1 :].strip().partition(b"*")
+    if start < 0 or not star:
+        return None
+    total = 0
+    for byte in body:
+        total ^= byte
+    return b"$" + body + b"*" + checksum + b"\r\n" if checksum.upper() == b"%02X" % total else None
+
+
+def _candump(reader: CaptureReader, target: Path, topic: str | None) -> list[Path]:
+    from can import CanutilsLogWriter, Message
+
+    frames = 0
+    with CanutilsLogWriter(target) as writer:
+        for record in reader:
+            if isinstance(record, CanMessage) and topic in (None, f"/can/{record.bus}"):
+                frames += 1
+                writer.on_message_received(
+                    Message(
+                        timestamp=record.end_ns / 1e9,
+                        arbitration_id=record.identifier,
+                        is_extended_id=record.extended,
+                        data=record.data,
+                        channel=record.bus,
+                    )
+                )
+    if not frames:
+        target.unlink()
+        return []
+    return [target]
+
+
+def _vcd(reader: CaptureReader, target: Path, topic: str | None) -> list[Path]:
+    """Nets by their levels, chip selects by their low periods. In order of time, so all of it in memory."""
+    from vcd import VCDWriter
+
+    changes: list[tuple[int, str, int]] = []
+    for record in reader:
+        changes += _levels(record, topic)
+    if not changes:
+        return []
+    changes.sort(key=lambda change: change[0])
+    with target.open("w", encoding="ascii") as file, VCDWriter(file, timescale="1 ns", date="") as writer:
+        names = sorted({name for _time_ns, name, _level in changes})
+        variables = {
+            name: writer.register_var("board", name, "wire", size=1, init=int(name.endswith(SPI_SELECT)))
+            for name in names
+        }
+        for time_ns, name, level in changes:
+            writer.change(variables[name], time_ns, level)
+    return [target]
+
+
+def _levels(record: Traffic | Decoded, topic: str | None) -> list[tuple[int, str, int]]:
+    if isinstance(record, PinEdge) and topic in (None, f"/pin/{record.net}"):
+        return [(record.time_ns, record.net, int(record.level))]
+    if isinstance(record, SpiTransaction) and topic in (None, f"/spi/{record.bus}"):
+        name = f"{record.bus.replace('.', '_')}_{SPI_SELECT}"
+        return [(record.start_ns, name, 0), (record.end_ns, name, 1)]
+    return []
+
+
+KINDS: dict[str, Callable[[CaptureReader, Path, str | None], list[Path]]] = {
+    "csv": _csv,
+    "parquet": _parquet,
+    "nmea": _nmea,
+    "candump": _candump,
+    "vcd": _vcd,
+}

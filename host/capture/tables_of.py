@@ -1,0 +1,47 @@
+"""Records of a capture as rows of tables: decoded topics as they are, raw ones with their bytes in hex."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from host.capture.blocks import (
+    CanMessage,
+    LineCut,
+    LinePiece,
+    Mark,
+    PinEdge,
+    SpiTransaction,
+    Traffic,
+    UartChunk,
+    can_topic,
+    pin_topic,
+    spi_topic,
+    uart_topic,
+)
+from host.capture.reader import Decoded
+
+NS = 1_000_000_000
+Row = dict[str, Any]
+
+
+def row_of(record: Traffic | Decoded) -> tuple[str, Row] | None:
+    """(topic, row) of one record; None for what is no row of any table."""
+    match record:
+        case Decoded():
+            return record.topic, record.value
+        case SpiTransaction():
+            row: Row = {"t_s": record.start_ns / NS, "duration_s": (record.end_ns - record.start_ns) / NS}
+            return spi_topic(record.bus), {**row, "mosi": record.mosi.hex(), "miso": record.miso.hex()}
+        case LinePiece():
+            row = {"t_s": record.end_ns / NS, "baud": record.baud, "data": record.data.hex()}
+            return uart_topic(record.port, "rx"), row
+        case UartChunk():
+            row = {"t_s": record.end_ns / NS, "baud": None, "data": record.data.hex()}
+            return uart_topic(record.port, record.direction), row
+        case CanMessage():
+            row = {"t_s": record.end_ns / NS, "identifier": record.identifier, "extended": record.extended}
+            return can_topic(record.bus), {**row, "data": record.data.hex()}
+        case PinEdge():
+            return pin_topic(record.net), {"t_s": record.time_ns / NS, "level": int(record.level)}
+        case LineCut() | Mark():
+            return None

@@ -1,0 +1,94 @@
+"""What `navtwin capture` does and prints."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from host.capture.cutting import cut
+from host.capture.export import export
+from host.capture.overview import NS, Overview, look_over
+from host.capture.places import capture_path
+from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.terminal import print_section, standard_error, standard_output
+from host.record.atomic import write_whole
+from host.report.summary import Section
+
+STANDARD_OUTPUT = "-"
+
+
+def show_info(capture: Path, target: str | None) -> int:
+    """What was captured."""
+    overview = look_over(capture_path(capture))
+    if not _written(overview, target):
+        console = standard_output()
+        print_section(console, Section("Capture", ("", ""), tuple(_facts(overview)), words=2))
+        print_section(console, _topics(overview))
+    return EXIT_MET
+
+
+def show_check(capture: Path, target: str | None) -> int:
+    """What is missing."""
+    overview = look_over(capture_path(capture))
+    if not _written(overview, target):
+        console = standard_error() if target == STANDARD_OUTPUT else standard_output()
+        for finding in overview.findings:
+            console.print(f"- {finding}", soft_wrap=True, markup=False)
+        verdict = "whole" if not overview.findings else f"{len(overview.findings)} findings"
+        console.print(f"{overview.path}: {verdict}, {overview.recorded_s:,.3f} s recorded", soft_wrap=True)
+    return EXIT_MET if not overview.findings else EXIT_NOT_MET
+
+
+def make_cut(capture: Path, target: Path, from_s: float, to_s: float) -> int:
+    """A stretch as a capture of its own."""
+    messages = cut(capture_path(capture), target, from_s, to_s)
+    print(f"{target}: {messages:,} messages")
+    return EXIT_MET
+
+
+def make_export(capture: Path, kind: str, target: Path, topic: str | None) -> int:
+    """Other formats."""
+    for path in export(capture_path(capture), kind, target, topic):
+        print(f"  {path}  {path.stat().st_size:,} bytes")
+    return EXIT_MET
+
+
+def _written(overview: Overview, target: str | None) -> bool:
+    """Whether the JSON went to standard output, or to a file besides."""
+    if target is None:
+        return False
+    text = json.dumps(overview.to_dict(), indent=1) + "\n"
+    if target == STANDARD_OUTPUT:
+        print(text, end="")
+        return True
+    write_whole(Path(target), text, "--json")
+    return False
+
+
+def _facts(overview: Overview) -> list[tuple[str, str]]:
+    manifest = overview.manifest
+    run = " ".join(str(manifest.get(name, "?")) for name in ("board", "scenario", "profile"))
+    versions = manifest.get("versions") or {}
+    facts = [
+        ("file", f"{overview.path}, {overview.size:,} bytes, {overview.format}"),
+        ("run", f"{run} seed {manifest.get('seed', '?')}"),
+        ("changed", ", ".join(manifest.get("overrides") or []) or "nothing"),
+        ("made with", ", ".join(f"{name} {version}" for name, version in versions.items())),
+        ("recorded", f"{overview.recorded_s:,.3f} s{'' if overview.duration_s else ', the run did not end'}"),
+        ("state hash", overview.state_hash or "none"),
+    ]
+    if "cut" in manifest:
+        facts.append(("cut", f"from {manifest['cut']['from_s']:g} to {manifest['cut']['to_s']:g} s"))
+    return facts
+
+
+def _topics(overview: Overview) -> Section:
+    rows = []
+    for use in overview.topics:
+        first = 0 if use.first_ns is None else use.first_ns
+        span = (use.last_ns - first) / NS
+        rate = f"{(use.records - 1) / span:,.2f}" if span > 0 else "–"
+        times = (f"{first / NS:,.3f}", f"{use.last_ns / NS:,.3f}")
+        rows.append((use.topic, use.schema, f"{use.records:,}", f"{use.bytes:,}", rate, *times))
+    columns = ("topic", "schema", "records", "bytes", "a second", "first, s", "last, s")
+    return Section("Topics", columns, tuple(rows), words=2)
