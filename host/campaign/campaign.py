@@ -97,6 +97,7 @@ def run_campaign(
             _work_off(journal, executor, waiting, len(jobs), progress)
         except BaseException:
             with contextlib.suppress(UserError):  # the disk may be full: the journal is what counts
+                journal.read_again()
                 _compile(plan, manifest, folder, journal, len(jobs) - len(waiting))
             raise
         return _compile(plan, manifest, folder, journal, len(jobs) - len(waiting))

@@ -65,6 +65,10 @@ class Journal:
         self._times.write(json.dumps({"key": outcome.key, **times}) + "\n")
         self._times.flush()
 
+    def read_again(self) -> None:
+        """Take in what is on disk: an interrupt may have come between a line and its outcome."""
+        self._length = self._read()
+
     def close(self) -> None:
         """Let go of the files."""
         os.close(self._file)
