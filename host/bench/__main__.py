@@ -48,7 +48,7 @@ def main() -> None:
         sys.stdout.write(text)
         return
     if options.json:
-        Path(options.json).write_text(text)
+        Path(options.json).write_text(text, encoding="utf-8")
     _show(figures)
 
 

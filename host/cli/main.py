@@ -15,6 +15,7 @@ from host.cli.capture_command import app as capture_app
 from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
 from host.cli.faults_command import faults_command
 from host.cli.new_command import app as new_app
+from host.cli.plain_text import PLAINLY
 from host.cli.replay_command import replay_command
 from host.cli.sweep_command import sweep_command
 
@@ -166,7 +167,7 @@ def main() -> None:
     """Run the command line; ends the process with its exit code."""
     for stream in (sys.stdout, sys.stderr):
         if hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
+            stream.reconfigure(errors=PLAINLY)
     # What ends a job on a CI server is told and kept as an interruption by hand.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:

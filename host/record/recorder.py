@@ -10,6 +10,7 @@ Batches should span 10 to 30 virtual seconds: each costs some hundred microsecon
 
 from __future__ import annotations
 
+import contextlib
 import json
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from host.capture.writer import CaptureWriter
 from host.record.atomic import write_whole
 from host.record.collector import Collector
+from host.record.errors import UserError
 from host.record.result import BusUse, CpuUse, Event, FaultUse, RunResult
 from host.record.row_text import RowText
 from host.record.run_data import BiasEstimate, GnssBatch, Innovation, MotionBatch, SolutionBatch, TaskTrace
@@ -174,16 +176,34 @@ class Recorder:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, _traceback: TracebackType | None
     ) -> None:
-        if self._finished or self._folder is None:
+        if self._folder is None:
             return
+        try:
+            if not self._finished:
+                self._mark_as_unfinished(self._folder, kind, error)
+        finally:
+            self._folder.release()
+        if isinstance(error, OSError) and error.filename is None:
+            raise UserError(
+                f"--out {self._folder.path}: cannot be written: {error.strerror}; what was written so far is"
+                " marked as incomplete; free some space or name another folder"
+            ) from None
+
+    def _mark_as_unfinished(
+        self, folder: RunFolder, kind: type[BaseException] | None, error: BaseException | None
+    ) -> None:
         if kind is not None and issubclass(kind, KeyboardInterrupt):
             status = "interrupted by the user"
         else:
             status = f"failed: {error}" if error is not None else "failed: the run was not finished"
-        if self.capture is not None:
-            self.capture.abandon()
-        self._csv.close()
-        self._folder.set_status(status)
+        # A full disk, for example, must not hide the error that is being told.
+        with contextlib.suppress(OSError):
+            if self.capture is not None:
+                self.capture.abandon()
+        with contextlib.suppress(OSError):
+            self._csv.close()
+        with contextlib.suppress(UserError):
+            folder.set_status(status)
 
     def _write(self, folder: RunFolder, result: RunResult) -> None:
         from host.report.page import render

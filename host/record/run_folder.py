@@ -2,12 +2,15 @@
 
 While a run is under way, and after one that did not reach its end, `manifest.json` says so in `status`
 and the growing files carry `.part` behind their names. Files of an earlier run in the same folder are
-removed first, so that a folder never mixes two runs. A folder that holds anything else is not touched.
+removed first, so that a folder never mixes two runs. A folder that holds anything else, or into which another
+process is writing, is not touched.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -26,14 +29,23 @@ class RunFolder:
     def __init__(self, path: Path, manifest: Mapping[str, Any]) -> None:
         self.path = path
         self._manifest = dict(manifest)
+        self._claim: int | None = None
         _must_be_ours(path)
         try:
             path.mkdir(parents=True, exist_ok=True)
+            self._claim = _claimed(path)
             for name in OWN_FILES:
                 (path / name).unlink(missing_ok=True)
         except OSError as error:
+            self.release()
             raise UserError(f"--out {path}: cannot be written: {error.strerror}") from None
         self.set_status("running")
+
+    def release(self) -> None:
+        """Nothing more will be written."""
+        if self._claim is not None:
+            os.close(self._claim)
+            self._claim = None
 
     def file(self, name: str) -> Path:
         """Path of one of the run's files."""
@@ -42,7 +54,38 @@ class RunFolder:
     def set_status(self, status: str, **more: Any) -> None:
         """Write the manifest with a new status ("running", "complete", "interrupted …")."""
         manifest = self._manifest | {"status": status} | more
-        write_whole(self.file("manifest.json"), json.dumps(manifest, indent=1) + "\n", "--out")
+        text = json.dumps(manifest, indent=1) + "\n"
+        try:
+            write_whole(self.file("manifest.json"), text, "--out")
+        except UserError:
+            self._overwrite(text)
+            raise
+
+    def _overwrite(self, text: str) -> None:
+        """On a full disk the new manifest finds room where the old one stands, if anywhere."""
+        with contextlib.suppress(OSError), self.file("manifest.json").open("r+", encoding="utf-8") as file:
+            file.write(text)
+            file.truncate()
+
+
+def _claimed(path: Path) -> int | None:
+    """A descriptor that holds the folder against other processes; None where a system cannot do that."""
+    try:
+        import fcntl
+    except ImportError:
+        return None
+    folder = os.open(path, os.O_RDONLY)
+    try:
+        fcntl.flock(folder, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        os.close(folder)
+        raise UserError(
+            f"--out {path}: another run is writing there; name another folder, e.g. --out runs/second"
+        ) from None
+    except OSError:
+        os.close(folder)
+        return None
+    return folder
 
 
 def _must_be_ours(path: Path) -> None:

@@ -46,7 +46,7 @@ def run(request: RunRequest) -> RunResult:
     setup, world = _prepared(request)
     manifest = build_manifest(
         setup.board.name,
-        (board_folder(request.board) / "board.toml").read_text(),
+        (board_folder(request.board) / "board.toml").read_text(encoding="utf-8"),
         setup.scenario.name,
         source_text(setup.scenario.path) if setup.scenario.path else "",
         setup.profile_name,
