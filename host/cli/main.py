@@ -12,6 +12,7 @@ import typer
 from host.cli.baseline_command import app as baseline_app
 from host.cli.campaign_command import Baseline, Tolerance, campaign_command
 from host.cli.capture_command import app as capture_app
+from host.cli.diff_command import diff_command
 from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
 from host.cli.faults_command import faults_command
 from host.cli.new_command import app as new_app
@@ -161,6 +162,7 @@ app.command("faults")(faults_command)
 app.add_typer(baseline_app, name="baseline")
 app.add_typer(capture_app, name="capture")
 app.command("replay")(replay_command)
+app.command("diff")(diff_command)
 
 
 def main() -> None:

@@ -10,11 +10,16 @@ from itertools import zip_longest
 from host.capture.blocks import (
     UART_HEAD,
     CanMessage,
+    LineCut,
+    LinePiece,
+    Mark,
     PinEdge,
+    SpiTransaction,
     Traffic,
     UartChunk,
     can_topic,
     pin_topic,
+    time_of,
     uart_topic,
     unpack,
 )
@@ -51,6 +56,18 @@ class Compared:
     tape: list[int] = field(default_factory=list)
     """Of a pin: changes to be appended to `replayed`."""
     compared_bytes: int = 0
+
+    def settle(self, topic: str, now_ns: int) -> Difference | None:
+        """Forget what is equal; the first difference up to now in what is left."""
+        self.drop_equal()
+        return _difference(topic, self, now_ns) if self.recorded or self.replayed else None
+
+    def drop_equal(self) -> None:
+        """Forget the records that both sides have, when they are equal."""
+        same = min(len(self.recorded), len(self.replayed))
+        if self.recorded[:same] == self.replayed[:same]:
+            self.compared_bytes += same
+            del self.recorded[:same], self.replayed[:same]
 
 
 class Comparison:
@@ -97,10 +114,7 @@ class Comparison:
             if wire.tape:
                 wire.replayed += array("q", wire.tape).tobytes()
                 wire.tape.clear()
-            same = min(len(wire.recorded), len(wire.replayed))
-            if wire.recorded[:same] == wire.replayed[:same]:
-                wire.compared_bytes += same
-                del wire.recorded[:same], wire.replayed[:same]
+            wire.drop_equal()
         left = any(wire.recorded or wire.replayed for wire in self.wires.values())
         if self.difference is None and now_ns is not None and left:
             self.difference = self._first(now_ns)
@@ -120,7 +134,7 @@ def _difference(topic: str, wire: Compared, now_ns: int) -> Difference | None:
     for recorded, replayed in pairs:
         if recorded == replayed:
             continue
-        times = [_time(one) for one in (recorded, replayed) if one is not None]
+        times = [time_of(one) for one in (recorded, replayed) if one is not None]
         if min(times) > now_ns:
             return None
         first = _first_byte(_data(recorded), _data(replayed))
@@ -135,15 +149,10 @@ def _records(wire: Compared, topic: str, block: bytearray) -> Iterator[Traffic]:
         return
 
 
-def _time(record: Traffic) -> int:
-    if isinstance(record, PinEdge):
-        return record.time_ns
-    assert isinstance(record, UartChunk | CanMessage)
-    return record.end_ns
-
-
 def _data(record: Traffic | None) -> bytes:
-    return record.data if isinstance(record, UartChunk | CanMessage) else b""
+    if isinstance(record, SpiTransaction):
+        return record.mosi + record.miso
+    return record.data if isinstance(record, UartChunk | CanMessage | LinePiece) else b""
 
 
 def _first_byte(one: bytes, other: bytes) -> int:
@@ -153,13 +162,21 @@ def _first_byte(one: bytes, other: bytes) -> int:
 
 
 def _shown(record: Traffic | None, first: int) -> str:
-    if record is None:
-        return "nothing"
-    if isinstance(record, PinEdge):
-        return f"{record.time_ns / 1e9:.9f} s, level {'high' if record.level else 'low'}"
-    assert isinstance(record, UartChunk | CanMessage)
-    name = f"identifier 0x{record.identifier:X}, " if isinstance(record, CanMessage) else ""
-    return f"ends at {record.end_ns / 1e9:.9f} s, {name}{shown_bytes(record.data, first)}"
+    match record:
+        case None:
+            return "nothing"
+        case PinEdge():
+            return f"{record.time_ns / 1e9:.9f} s, level {'high' if record.level else 'low'}"
+        case SpiTransaction():
+            duration = f"{record.end_ns - record.start_ns} ns"
+            answer = shown_bytes(record.miso, first - len(record.mosi))
+            sent = shown_bytes(record.mosi, first)
+            return f"{record.start_ns / 1e9:.9f} s, {duration}, MOSI {sent}, MISO {answer}"
+        case LineCut() | Mark():
+            return f"{time_of(record) / 1e9:.9f} s"
+        case _:
+            name = f"identifier 0x{record.identifier:X}, " if isinstance(record, CanMessage) else ""
+            return f"ends at {record.end_ns / 1e9:.9f} s, {name}{shown_bytes(record.data, first)}"
 
 
 def shown_bytes(data: bytes, notable: int = 0) -> str:

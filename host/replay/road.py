@@ -48,17 +48,27 @@ class Road:
         )
         if known:
             errors = np.array([[row[name] for name in _ERRORS] for row in used], dtype=np.float64)
-            place[:, :2] -= errors[:, :2] / _metres_per_radian(place)
+            place[:, :2] -= errors[:, :2] / metres_per_radian(place)
             place[:, 2] += errors[:, 2]
             velocity -= errors[:, 3:6]
             angles -= np.radians(errors[:, 6:9])
         self._place, self._velocity = place, velocity
         self._angles = np.unwrap(angles, axis=0)
-        self._rates = np.column_stack((velocity[:, :2] / _metres_per_radian(place), -velocity[:, 2]))
+        self._rates = np.column_stack((velocity[:, :2] / metres_per_radian(place), -velocity[:, 2]))
         """d/dt of latitude, longitude (rad/s) and height (m/s)."""
 
     def __len__(self) -> int:
         return len(self._t)
+
+    @property
+    def begin_s(self) -> float:
+        """Time of the first row."""
+        return float(self._t[0])
+
+    @property
+    def end_s(self) -> float:
+        """Time of the last row."""
+        return float(self._t[-1])
 
     def truth(self, times_ns: NDArray[np.int64], lever_arm: Array | None = None) -> TruthBatch:
         """At instants, of the navigation point or a point at `lever_arm` from it (body axes, m).
@@ -70,7 +80,7 @@ class Road:
         if lever_arm is not None:
             offset = _body_to_ned(angles) @ lever_arm
             place = place.copy()
-            place[:, :2] += offset[:, :2] / _metres_per_radian(place)
+            place[:, :2] += offset[:, :2] / metres_per_radian(place)
             place[:, 2] -= offset[:, 2]
         yaw = angles[:, 0] % (2.0 * math.pi)
         latitude, longitude, height = place.T
@@ -104,7 +114,7 @@ _ERRORS = (
 )
 
 
-def _metres_per_radian(place: Array) -> Array:
+def metres_per_radian(place: Array) -> Array:
     """North and east, (n, 2)."""
     sine = np.sin(place[:, 0])
     w2 = 1.0 - E2 * sine * sine
