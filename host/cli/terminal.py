@@ -50,12 +50,15 @@ def print_section(console: Console, section: Section) -> None:
 
 
 def print_verdict(console: Console, result: RunResult) -> None:
-    """One line with the verdict and the speed, and where the report lies."""
+    """One line with the verdict and the speed, where the report lies, and what was to break and did not."""
     style = "bold green" if result.ok else "bold red"
     speed = (
         f"{result.duration_s:,.0f} s in {result.wall_s:,.1f} s, {result.real_time_factor:,.0f} × real time"
     )
     name = f"{result.board} {result.scenario} {result.profile} seed {result.seed}"
+    for fault in result.faults:
+        if not fault.fired:
+            console.print(Text(f"fault {fault.name!r} never fired", "yellow"), soft_wrap=True)
     console.print(Text.assemble(f"{name}: ", (verdict(result), style), f" ({speed})"), soft_wrap=True)
     if result.out_dir is not None:
         console.print(Text(f"report: {result.out_dir / 'report.html'}"), soft_wrap=True)

@@ -98,9 +98,10 @@ def _size(kernel: Any) -> int:
 def _compile_side_by_side(kernels: Sequence[Any], own_work: Callable[[], None]) -> None:
     """`kernels`, longest first, and the work of the host, in two processes where the system forks well."""
     with _no_collector():
-        helper = _forked(lambda: _compile(kernels)) if sys.platform == "linux" else None
+        folder = next((file.parent for file in map(kept_file, kernels) if file is not None), None)
+        shared = folder is not None and sys.platform == "linux"
+        helper = _forked(lambda: _compile(kernels)) if shared else None
         try:
-            folder = next((file.parent for file in map(kept_file, kernels) if file is not None), None)
             with claim(folder / "host.claim", wait=True) if folder is not None else _nothing():
                 own_work()
             _compile(kernels[::-1])

@@ -180,3 +180,19 @@ def test_folder_that_cannot_be_written(tmp_path: Path) -> None:
     result = CliRunner().invoke(app, ["run", "car_mems", "-s", "static", "-q", "--out", str(file)])
     assert result.exit_code == 2
     assert "is a file" in result.stderr
+
+
+def test_a_figure_that_nobody_knows_is_told_in_a_short_message(tmp_path: Path) -> None:
+    change = "expect={yaw_rms_deg='<= zzz'}"
+    code, message = _run(tmp_path, "car_mems", "-s", "static", "--set", change)
+    assert code == 2
+    assert "no figure named 'zzz'; known, " in message
+    assert len(message) < 700
+
+
+def test_a_fault_that_never_fired_is_told(tmp_path: Path) -> None:
+    fault = 'fault=[{kind="uart-garbage",target="host",at_s=9.0},{kind="uart-cut",target="host",at_s=9.0}]'
+    arguments = ["run", "car_mems", "-s", "static", "-q", "--no-capture", "--set", "duration_s=10"]
+    done = CliRunner().invoke(app, [*arguments, "--set", fault, "--out", str(tmp_path / "out")])
+    assert "fault 'uart-cut host' never fired" in done.output
+    assert "garbage host' never" not in done.output
