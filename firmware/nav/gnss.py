@@ -209,9 +209,10 @@ def _position_passes(f, i, time, count, weight):
     if weight <= (f[cfg.GATE_3] if count == 3 else f[cfg.GATE_2]):
         i[at.POSITION_REFUSED_SINCE] = at.NEVER
         return True
-    report(i, GNSS_REJECTED)
     if i[at.POSITION_REFUSED_SINCE] == at.NEVER:
         i[at.POSITION_REFUSED_SINCE] = time
+    else:
+        report(i, GNSS_REJECTED)
     if time - i[at.POSITION_REFUSED_SINCE] < i[at.PATIENCE_NS] or not weight < HOPELESS:
         return False
     _widen(f, POSITION_ROWS, at.X_POSITION, count)
@@ -225,9 +226,10 @@ def _velocity_passes(f, i, time, count, weight):
     if weight <= (f[cfg.GATE_3] if count == 3 else f[cfg.GATE_2]):
         i[at.VELOCITY_REFUSED_SINCE] = at.NEVER
         return True
-    report(i, GNSS_REJECTED)
     if i[at.VELOCITY_REFUSED_SINCE] == at.NEVER:
         i[at.VELOCITY_REFUSED_SINCE] = time
+    else:
+        report(i, GNSS_REJECTED)
     if time - i[at.VELOCITY_REFUSED_SINCE] < i[at.PATIENCE_NS] or not weight < HOPELESS:
         return False
     _widen(f, VELOCITY_ROWS, at.X_VELOCITY, count)

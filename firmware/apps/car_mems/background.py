@@ -103,11 +103,14 @@ class Background:
             if found is not Outcome.OK:
                 self._restart_imu(found.value)
             else:
-                self._tell_temperature()
+                self._imu_is_well()
         self._output.send_slow()
         self._announcer.look_at_line()
 
-    def _tell_temperature(self) -> None:
+    def _imu_is_well(self) -> None:
+        if self._start_said is not Outcome.OK:
+            self._start_said = Outcome.OK
+            self._output.send_text("IMU answers again")
         celsius = self._acquisition.chip.temperature()
         if celsius is not None:
             self._navigation.take_temperature(celsius)
