@@ -40,7 +40,7 @@ def cut(source: Path, target: Path, from_s: float, to_s: float) -> int:
         raise UserError(f"-o {target}: cannot be written: {error.strerror}") from None
     finally:
         if copy is not None:
-            copy.close(min(end_ns, reader.end_ns or end_ns))
+            copy.close(min(end_ns - 1, reader.end_ns or end_ns))
     if copy is None or not copy.messages:
         target.unlink(missing_ok=True)
         raise UserError(f"capture {source}: nothing was recorded from {from_s:g} to {to_s:g} s")

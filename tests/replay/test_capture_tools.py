@@ -1,0 +1,194 @@
+"""navtwin capture: what is told, cut and exported agrees with what other readers find."""
+
+import contextlib
+import json
+import os
+import signal
+
+import can
+import numpy as np
+import pynmeagps
+import pytest
+from pyarrow import parquet
+from replay_captures import captured
+from typer.testing import CliRunner
+from vcd.reader import TokenKind, tokenize
+
+from host.capture.blocks import CanMessage, PinEdge, SpiTransaction
+from host.capture.overview import look_over
+from host.capture.reader import CaptureReader
+from host.cli.main import app
+from host.record.errors import UserError
+from host.record.result import RunRequest
+from host.replay.request import ReplayRequest
+from host.replay.strict import replay_strict
+from host.run import runner
+
+SECOND = 1_000_000_000
+
+
+def navtwin(*arguments):
+    return CliRunner().invoke(app, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def capture():
+    return captured("thesis", "duration_s=12")[0]
+
+
+def test_info_tells_what_was_captured(capture, tmp_path):
+    outcome = navtwin("capture", "info", capture.parent, "--json", "-")
+    assert outcome.exit_code == 0
+    told = json.loads(outcome.output)
+    assert (told["board"], told["profile"], told["duration_s"]) == ("car_mems", "thesis", 12.0)
+    assert told["complete"] is True
+    records = list(CaptureReader(capture))
+    topics = {topic["topic"]: topic for topic in told["topics"]}
+    spi = [record for record in records if isinstance(record, SpiTransaction)]
+    assert topics["/spi/spi1.imu"]["records"] == len(spi)
+    assert topics["/spi/spi1.imu"]["last_s"] == pytest.approx(spi[-1].start_ns / 1e9)
+    assert navtwin("capture", "info", capture).output.count("/spi/spi1.imu") == 1
+
+
+def test_check_finds_nothing_in_a_whole_capture(capture):
+    outcome = navtwin("capture", "check", capture)
+    assert outcome.exit_code == 0
+    assert "whole, 12.000 s recorded" in outcome.output
+
+
+def test_check_says_what_is_missing(capture, tmp_path):
+    whole = capture.read_bytes()
+    (tmp_path / "run.mcap.part").write_bytes(whole[: len(whole) * 6 // 10])
+    outcome = navtwin("capture", "check", tmp_path)
+    assert outcome.exit_code == 1
+    assert "cut off or damaged behind byte" in outcome.output
+    assert "the run did not reach its end" in outcome.output
+
+
+def test_damage_is_never_more_than_a_message(capture, tmp_path):
+    whole = capture.read_bytes()
+    path = tmp_path / "x.mcap"
+    noticed = 0
+    random = np.random.default_rng(7)
+    for place in random.integers(8, len(whole), 60).tolist():
+        damaged = bytearray(whole)
+        damaged[place] ^= 1 << int(random.integers(8))
+        path.write_bytes(damaged)
+        try:
+            noticed += bool(look_over(path).findings)
+        except UserError:
+            noticed += 1
+    assert noticed > 20  # the rest lies in the index, which nobody needs
+
+
+def kill_at(moment_ns, out):
+    """Run in a process that dies by SIGKILL at a virtual time."""
+    child = os.fork()
+    if child == 0:
+        make_ready = runner._make_ready
+
+        def make_ready_to_die(*arguments):
+            ready = make_ready(*arguments)
+            ready.board.time.at(moment_ns, lambda: os.kill(os.getpid(), signal.SIGKILL))
+            return ready
+
+        with contextlib.suppress(BaseException):
+            runner._make_ready = make_ready_to_die
+            runner.run(RunRequest("car_mems", "town-open", None, 1, ("duration_s=100",), out_dir=out))
+        os._exit(1)
+    _, status = os.waitpid(child, 0)
+    assert os.WIFSIGNALED(status)
+
+
+def test_after_kill_minus_nine_at_any_moment_less_than_a_second_is_missing(capture, tmp_path):
+    random = np.random.default_rng(20)
+    for number, moment_ns in enumerate(random.integers(SECOND, 90 * SECOND, 4).tolist()):
+        out = tmp_path / str(number)
+        kill_at(moment_ns, out)
+        overview = look_over(out / "run.mcap.part")
+        assert 0.0 <= moment_ns / 1e9 - overview.recorded_s < 1.0
+        assert any("did not reach its end" in finding for finding in overview.findings)
+        replayed = replay_strict(ReplayRequest(out / "run.mcap.part"))
+        assert replayed.ok
+        assert replayed.duration_s == overview.recorded_s
+
+
+def test_a_cut_holds_exactly_what_lies_in_it(capture, tmp_path):
+    outcome = navtwin("capture", "cut", capture, "--from", 4, "--to", 9.5, "-o", tmp_path / "c.mcap")
+    assert outcome.exit_code == 0, outcome.output
+
+    def inside(records):
+        return [r for r in records if isinstance(r, SpiTransaction) and 4e9 <= r.start_ns < 9.5e9]
+
+    reader = CaptureReader(tmp_path / "c.mcap")
+    kept = list(reader)
+    assert (
+        inside(kept) == [r for r in kept if isinstance(r, SpiTransaction)] == inside(CaptureReader(capture))
+    )
+    assert reader.manifest["cut"] == {"from_s": 4.0, "to_s": 9.5}
+    assert reader.complete
+    assert look_over(tmp_path / "c.mcap").findings == []
+
+
+@pytest.mark.parametrize(("begin", "end"), [(5, 5), (-1, 3), (40, 50)])
+def test_a_cut_that_makes_no_sense_is_told(capture, tmp_path, begin, end):
+    outcome = navtwin("capture", "cut", capture, f"--from={begin}", "--to", end, "-o", tmp_path / "c.mcap")
+    assert outcome.exit_code == 2
+    assert not (tmp_path / "c.mcap").exists()
+
+
+def test_csv_and_parquet_hold_every_row(capture, tmp_path):
+    for kind in ("csv", "parquet"):
+        outcome = navtwin("capture", "export", capture, "-f", kind, "-o", tmp_path / kind)
+        assert outcome.exit_code == 0, outcome.output
+    spi = [record for record in CaptureReader(capture) if isinstance(record, SpiTransaction)]
+    table = parquet.read_table(tmp_path / "parquet" / "spi-spi1.imu.parquet").to_pydict()
+    assert table["miso"] == [record.miso.hex() for record in spi]
+    lines = (tmp_path / "csv" / "spi-spi1.imu.csv").read_text().splitlines()
+    assert lines[0] == "t_s,duration_s,mosi,miso"
+    assert len(lines) == len(spi) + 1
+    solution = parquet.read_table(tmp_path / "parquet" / "solution.parquet")
+    assert solution.column("t_s").to_pylist()[-1] == pytest.approx(11.8, abs=0.3)
+
+
+def test_nmea_is_what_another_parser_reads(capture, tmp_path):
+    navtwin("capture", "export", capture, "-f", "nmea", "-o", tmp_path / "x.nmea")
+    with (tmp_path / "x.nmea").open("rb") as file:
+        read = [message for _raw, message in pynmeagps.NMEAReader(file, quitonerror=pynmeagps.ERR_RAISE)]
+    assert len(read) == len((tmp_path / "x.nmea").read_bytes().splitlines())
+    assert sum(message.msgID == "RMC" for message in read) in (9, 10, 11)
+
+
+def test_candump_is_what_python_can_reads(capture, tmp_path):
+    navtwin("capture", "export", capture, "-f", "candump", "-o", tmp_path / "x.log")
+    frames = [record for record in CaptureReader(capture) if isinstance(record, CanMessage)]
+    read = list(can.CanutilsLogReader(tmp_path / "x.log"))
+    assert [(m.arbitration_id, bytes(m.data)) for m in read] == [(f.identifier, f.data) for f in frames]
+    assert [m.timestamp for m in read] == pytest.approx([f.end_ns / 1e9 for f in frames], abs=2e-6)
+
+
+def test_vcd_is_what_another_parser_reads(tmp_path):
+    capture = captured("full-rate", "duration_s=12")[0]
+    navtwin("capture", "export", capture, "-f", "vcd", "-o", tmp_path / "x.vcd")
+    with (tmp_path / "x.vcd").open("rb") as file:
+        tokens = list(tokenize(file))
+    names = {token.var.reference: token.var.id_code for token in tokens if token.kind is TokenKind.VAR}
+    edges = [r for r in CaptureReader(capture) if isinstance(r, PinEdge) and r.net == "IMU_INT1"]
+    changes = [t for t in tokens if t.kind is TokenKind.CHANGE_SCALAR]
+    ours = [t.scalar_change.value for t in changes if t.scalar_change.id_code == names["IMU_INT1"]]
+    assert ours[1:] == [str(int(edge.level)) for edge in edges]  # the first one is the initial level
+
+
+def test_an_unknown_format_or_a_place_that_is_taken_is_told(capture, tmp_path):
+    outcome = navtwin("capture", "export", capture, "-f", "candunp", "-o", tmp_path / "x")
+    assert outcome.exit_code == 2
+    assert "did you mean 'candump'?" in outcome.output
+    (tmp_path / "x").write_text("mine")
+    assert navtwin("capture", "export", capture, "-f", "vcd", "-o", tmp_path / "x").exit_code == 2
+    assert (tmp_path / "x").read_text() == "mine"
+
+
+def test_a_folder_without_a_capture_is_told(tmp_path):
+    outcome = navtwin("capture", "info", tmp_path)
+    assert outcome.exit_code == 2
+    assert "holds no run.mcap" in outcome.output
