@@ -22,6 +22,9 @@ from host.record.manifest import MANIFEST_FORMAT
 GROWING = ("solution.csv", "run.mcap")
 OWN_FILES = ("result.json", "report.html", *GROWING, *(f"{name}.part" for name in GROWING), "manifest.json")
 
+LOGS = "*.bin"
+"""What boards write to their logs."""
+
 
 class RunFolder:
     """One run's folder, created and emptied of an earlier run. Raises UserError when that cannot be."""
@@ -34,8 +37,8 @@ class RunFolder:
         try:
             path.mkdir(parents=True, exist_ok=True)
             self._claim = _claimed(path)
-            for name in OWN_FILES:
-                (path / name).unlink(missing_ok=True)
+            for file in (*(path / name for name in OWN_FILES), *path.glob(LOGS)):
+                file.unlink(missing_ok=True)
         except OSError as error:
             self.release()
             raise UserError(f"--out {path}: cannot be written: {error.strerror}") from None

@@ -17,6 +17,7 @@ import gc
 import os
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -99,7 +100,8 @@ def _compile_side_by_side(kernels: Sequence[Any], own_work: Callable[[], None]) 
     """`kernels`, longest first, and the work of the host, in two processes where the system forks well."""
     with _no_collector():
         folder = next((file.parent for file in map(kept_file, kernels) if file is not None), None)
-        shared = folder is not None and sys.platform == "linux"
+        # A fork of a process with several threads may find locks that nobody will ever open.
+        shared = folder is not None and sys.platform == "linux" and threading.active_count() == 1
         helper = _forked(lambda: _compile(kernels)) if shared else None
         try:
             with claim(folder / "host.claim", wait=True) if folder is not None else _nothing():

@@ -63,9 +63,11 @@ def test_a_killed_run_leaves_a_capture_that_is_read_and_a_folder_that_is_used_ag
         process.kill()
     assert _status(out) == "running"
     assert sum(1 for _ in CaptureReader(out / "run.mcap.part").messages()) > 0
+    (out / "log_of_another_board.bin").write_bytes(b"old")
     assert _navtwin(*SHORT, "--no-capture", "--out", str(out)).returncode == 0
     assert _status(out) == "complete"
-    assert not (out / "run.mcap.part").exists()
+    names = {path.name for path in out.iterdir()}
+    assert not names & {"run.mcap.part", "solution.csv.part", "log_of_another_board.bin"}
 
 
 @pytest.mark.parametrize(
