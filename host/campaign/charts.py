@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.campaign.campaign import Finished
+from host.campaign.curves import error_curves
 from host.campaign.plan import Setup
 from host.campaign.series import NEES, NORMALISED, instants, unpacked
 from host.campaign.statistics import mean_square_bounds, nan_mean, rms
 from host.campaign.summary import Summary
-from host.campaign.tables import MAIN
-from host.report.charts import BAND, FUSED, GNSS, TRUTH, Chart, Trace, dots, line, on_row, stacked
+from host.report.charts import BAND, FUSED, GNSS, TRUTH, Chart, Trace, line, on_row, stacked
 from host.score.consistency import DIMENSION
 
 Floats = NDArray[np.float64]
@@ -55,11 +55,6 @@ GROUPS = (
 )
 
 INNOVATION_LABELS = ("north", "east", "down", "v north", "v east", "v down")
-
-CURVES = (
-    *("position_horizontal_rms_m", "velocity_rms_mps", "roll_rms_deg", "pitch_rms_deg", "yaw_rms_deg"),
-    "deadline_misses",
-)
 
 
 def charts(finished: Finished, summary: Summary) -> list[Chart]:
@@ -161,49 +156,12 @@ def _innovations(key: str, label: str, t: Floats, columns: Columns) -> Chart:
     return Chart(key, _titled("Consistency: innovations", label), text, traces, layout, True)
 
 
-def error_curves(summary: Summary) -> list[Chart]:
-    """For each key swept over numbers: the errors against it, where nothing else is swept."""
-    swept = summary.setups[0].setup.swept if summary.setups else ()
-    if len(swept) != 1 or len(summary.setups) < 2:
-        return []
-    key = swept[0][0]
-    names = [name for name in CURVES if all(name in one.figures for one in summary.setups)]
-    if not names:
-        return []
-    texts = [one.setup.swept[0][1] for one in summary.setups]
-    x = [_number(text) for text in texts]
-    profiles = list(dict.fromkeys(one.setup.profile for one in summary.setups))
-    traces: list[Trace] = []
-    for place, name in enumerate(names):
-        for colour, profile in zip((FUSED, GNSS, TRUTH, "#2b8a3e"), profiles, strict=False):
-            chosen = [i for i, one in enumerate(summary.setups) if one.setup.profile == profile]
-            spreads = [summary.setups[i].figures[name] for i in chosen]
-            half = [0.0 if one.high is None else one.high - one.mean for one in spreads]
-            points = dots([x[i] for i in chosen], [one.mean for one in spreads], profile, colour, size=7)
-            points |= {"mode": "lines+markers", "error_y": {"type": "data", "array": half}}
-            traces.append(on_row(points, place))
-    numeric = [value for value in x if isinstance(value, float)]
-    span = [min(numeric), max(numeric)] if len(numeric) == len(x) else [-0.5, len(x) - 0.5]
-    margin = 0.04 * (span[1] - span[0])
-    layout = stacked([MAIN[name] for name in names], [span[0] - margin, span[1] + margin])
-    layout["xaxis"]["title"]["text"] = key
-    text = "Mean over the seeds, with the 95 % interval of the mean."
-    return [Chart("curves", f"Errors against {key}", text, traces, layout)]
-
-
 # -- pieces ----------------------------------------------------------------------------------------
 
 
 def plain(values: Floats) -> list[float | None]:
     """For JSON: five digits are more than a screen shows; None where there is none."""
     return [float(f"{value:.5g}") if np.isfinite(value) else None for value in values.tolist()]
-
-
-def _number(text: str) -> float | str:
-    try:
-        return float(text.replace("_", ""))
-    except ValueError:
-        return text
 
 
 def _span(t: Floats) -> list[float]:

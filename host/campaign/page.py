@@ -27,10 +27,12 @@ def render(finished: Finished, summary: Summary, ok: bool, extra: Sequence[Secti
     manifest = finished.manifest
     drawn = charts(finished, summary)
     title = f"{manifest['board']} · {manifest['scenario']} · {manifest['kind']}"
+    judged = extra or summary.failures or any(one.expectations for one in summary.setups)
+    kind = "none" if ok and not judged else "good" if ok else "bad"
     left = len(summary.setups) - SETUPS_DRAWN
     note = f'<p class="note">Courses of {left} more set-ups are in the result file only.</p>'
     body = [
-        heading(manifest, verdict(summary), "good" if ok else "bad"),
+        heading(manifest, verdict(summary), kind),
         _cards(summary),
         *(table(section) for section in extra),
         *(table(section) for section in sections(summary)),

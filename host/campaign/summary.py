@@ -26,6 +26,12 @@ class SetupSummary:
     figures: dict[str, Spread]
     expectations: dict[str, int]
     """For each expectation how many runs met it."""
+    rows: tuple[Mapping[str, Value], ...] = ()
+
+    def by_seed(self, name: str) -> dict[int, float]:
+        """One figure of the runs that have it."""
+        found = {row["seed"]: row.get(name) for row in self.rows if row["status"] == FINISHED}
+        return {int(seed): float(value) for seed, value in found.items() if value is not None}  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -94,6 +100,7 @@ def _of_setup(setup: Setup, rows: Sequence[Mapping[str, Value]]) -> SetupSummary
         met=sum(bool(row["met"]) for row in rows),
         figures=figures(rows),
         expectations=expectations,
+        rows=tuple(rows),
     )
 
 

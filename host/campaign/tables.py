@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from host.campaign.statistics import Spread
+from collections.abc import Mapping
+
+from host.campaign.statistics import Spread, spread
 from host.campaign.summary import SetupSummary, Summary
 from host.report.numbers import NONE, count, number
 from host.report.summary import MET, NOT_MET, Section
@@ -40,7 +42,7 @@ def sections(summary: Summary) -> list[Section]:
     """All tables that have anything to say."""
     made = [_expectations(summary)]
     if len(summary.setups) > 1:
-        made.append(_comparison(summary))
+        made += [_comparison(summary), _changes(summary)]
     if len(summary.setups) <= 3:
         made += [figure_table(one) for one in summary.setups]
     made.append(_failures(summary))
@@ -57,8 +59,9 @@ def verdict(summary: Summary) -> str:
 
 def figure_table(one: SetupSummary) -> Section:
     """The spread of the main figures of one set-up."""
+    labels = MAIN | {name: name for name in one.expectations if name not in MAIN}
     rows = tuple(
-        (label, *_spread_cells(one.figures[name])) for name, label in MAIN.items() if name in one.figures
+        (label, *_spread_cells(one.figures[name])) for name, label in labels.items() if name in one.figures
     )
     columns = ("figure", "mean", "95 % interval of the mean", "median", "95 %", "least", "largest", "runs")
     return Section(f"Over {one.runs} runs: {one.setup.label}", columns, rows)
@@ -85,13 +88,39 @@ def _expectations(summary: Summary) -> Section:
 
 def _comparison(summary: Summary) -> Section:
     names = [name for name in SIDE_BY_SIDE if any(name in one.figures for one in summary.setups)]
+    keys = [key for key, _ in summary.setups[0].setup.swept]
     rows = tuple(
-        (one.setup.label, count(one.runs), *(_mean(one.figures.get(name)) for name in names))
+        (
+            one.setup.profile,
+            *(value for _, value in one.setup.swept),
+            *(count(one.runs), *(_mean(one.figures.get(name)) for name in names)),
+        )
         for one in summary.setups
     )
-    columns = ("set-up", "runs", *(SIDE_BY_SIDE[name] for name in names))
+    columns = ("profile", *keys, "runs", *(SIDE_BY_SIDE[name] for name in names))
     note = "RMS errors, deadline misses and lost requests: mean, ± half of its 95 % interval"
-    return Section("Set-ups side by side", columns, rows, note=note)
+    return Section("Set-ups side by side", columns, rows, words=1 + len(keys), note=note)
+
+
+def _changes(summary: Summary) -> Section:
+    """What each set-up changes against the first one of its profile, seed by seed."""
+    keys = [key for key, _ in summary.setups[0].setup.swept]
+    rows = []
+    for one in summary.setups:
+        first = next(other for other in summary.setups if other.setup.profile == one.setup.profile)
+        if first is one:
+            continue
+        values = [value for _, value in one.setup.swept]
+        cells = [_paired(first.by_seed(name), one.by_seed(name)) for name in SIDE_BY_SIDE]
+        rows.append((one.setup.profile, *values, *cells))
+    columns = ("profile", *keys, *SIDE_BY_SIDE.values())
+    note = "paired over the seeds, against the first row of the same profile; ± half of the 95 % interval"
+    return Section("Differences", columns, tuple(rows), words=1 + len(keys), note=note)
+
+
+def _paired(before: Mapping[int, float], now: Mapping[int, float]) -> str:
+    differences = [now[seed] - before[seed] for seed in sorted({*before} & {*now})]
+    return _mean(spread(differences)) if differences else NONE
 
 
 def _mean(value: Spread | None) -> str:

@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from host.campaign.plan import Setup
 from host.campaign.row import swept_value
 from host.campaign.statistics import figures, mean_interval, mean_square_bounds, nan_mean, spread
+from host.campaign.summary import SetupSummary, Summary
+from host.campaign.tables import sections
 
 
 def test_student_interval_of_a_textbook_sample() -> None:
@@ -60,3 +63,18 @@ def test_swept_values_as_columns() -> None:
     assert swept_value("true") is True
     assert swept_value("perfect") == "perfect"
     assert swept_value("[1, 2]") == "[1, 2]"
+
+
+def test_differences_are_paired_over_seeds() -> None:
+    """Seeds spread by metres; the second set-up is 0.5 m worse in each of them."""
+    setups = []
+    for value, worse in (("0.1", 0.0), ("0.2", 0.5)):
+        rows = tuple(
+            {"status": "finished", "seed": seed, "met": True, "position_horizontal_rms_m": 4.0 * seed + worse}
+            for seed in (1, 2, 3)
+        )
+        swept = (("gnss.latency_s", value),)
+        setups.append(SetupSummary(Setup("full-rate", swept), 3, 0, 3, figures(rows), {}, rows))
+    tables = {section.title: section for section in sections(Summary(tuple(setups), ()))}
+    assert tables["Differences"].rows[0][:3] == ("full-rate", "0.2", "0.500 ± 0")
+    assert tables["Set-ups side by side"].rows[1][:3] == ("full-rate", "0.2", "3")
