@@ -61,12 +61,11 @@ def test_town_open_ten_seeds() -> None:
 
 @pytest.mark.soak
 def test_outages_ten_seeds() -> None:
-    """40 outages of 60 s: with vehicle aiding, and what is left without."""
+    """40 outages of 60 s: what vehicle aiding brings. The limit without is held on the board: tests/soak."""
     aided = [d for told in of_seeds("outages", CONFIG) for d in told.drifts_m]
     free = [d for told in of_seeds("outages", dataclasses.replace(CONFIG, **UNAIDED)) for d in told.drifts_m]
     assert len(aided) == 40
     assert np.median(aided) < 4.0
-    assert np.median(free) < 25.0
     assert np.median(aided) < np.median(free) / 3.0
 
 

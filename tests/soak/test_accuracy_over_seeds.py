@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import functools
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
 
-from host.bench.measure import memory_growth_mb
 from host.record.result import RunRequest, RunResult
 from host.run.runner import run
 
@@ -64,13 +66,15 @@ def _difference(values: list[float], others: list[float]) -> tuple[float, float]
     return float(differences.mean()), float(STUDENT_9 * differences.std(ddof=1) / np.sqrt(len(differences)))
 
 
-def test_full_rate_beats_thesis_on_a_rough_road() -> None:
+@pytest.mark.parametrize("figure", ["position_horizontal_rms_m", "velocity_rms_mps", "yaw_rms_deg"])
+def test_full_rate_beats_thesis_on_a_rough_road(figure: str) -> None:
+    """`thesis` runs off in some seeds: the mean of the logarithms is not carried by one of them."""
     errors = {
-        profile: [_figure(_run("rough", profile, seed), "velocity_rms_mps") for seed in SEEDS]
+        profile: [float(np.log(_figure(_run("rough", profile, seed), figure))) for seed in SEEDS]
         for profile in ("thesis", "full-rate")
     }
     mean, half = _difference(errors["thesis"], errors["full-rate"])
-    assert mean - half > 0.0
+    assert mean - half > np.log(2.0)
 
 
 def test_full_rate_beats_thesis_in_outages() -> None:
@@ -82,5 +86,23 @@ def test_full_rate_beats_thesis_in_outages() -> None:
     assert mean - half > 0.0
 
 
+MEMORY = """
+import resource
+from host.record.result import RunRequest
+from host.run.runner import run
+segment = 'segment=[{kind="rest",duration_s=%d.0}]'
+run(RunRequest("car_mems", "static", overrides=("duration_s=%d", segment)))
+print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+"""
+
+
+def _peak_kib(seconds: int) -> int:
+    script = MEMORY % (seconds, seconds)
+    done = subprocess.run(
+        [sys.executable, "-c", script], env=os.environ, capture_output=True, text=True, check=True
+    )
+    return int(done.stdout)
+
+
 def test_ten_hours_need_hardly_more_memory_than_one() -> None:
-    assert memory_growth_mb(3_600.0, 36_000.0)["growth_mb"] < 50.0
+    assert _peak_kib(36_000) - _peak_kib(3_600) < 50 * 1024
