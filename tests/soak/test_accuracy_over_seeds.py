@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import functools
-import os
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
+from host.bench.measure import memory_growth_mb
 from host.record.result import RunRequest, RunResult
 from host.run.runner import run
 
@@ -86,23 +84,5 @@ def test_full_rate_beats_thesis_in_outages() -> None:
     assert mean - half > 0.0
 
 
-MEMORY = """
-import resource
-from host.record.result import RunRequest
-from host.run.runner import run
-segment = 'segment=[{kind="rest",duration_s=%d.0}]'
-run(RunRequest("car_mems", "static", overrides=("duration_s=%d", segment)))
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
-"""
-
-
-def _peak_kib(seconds: int) -> int:
-    script = MEMORY % (seconds, seconds)
-    done = subprocess.run(
-        [sys.executable, "-c", script], env=os.environ, capture_output=True, text=True, check=True
-    )
-    return int(done.stdout)
-
-
 def test_ten_hours_need_hardly_more_memory_than_one() -> None:
-    assert _peak_kib(36_000) - _peak_kib(3_600) < 50 * 1024
+    assert memory_growth_mb(3_600.0, 36_000.0)["growth_mb"] < 50.0
