@@ -20,8 +20,7 @@ class DescriptionError(ValueError):
 def read_toml(path: Path) -> dict[str, Any]:
     """Parse a TOML file; DescriptionError when it is missing or malformed."""
     try:
-        with path.open("rb") as file:
-            return tomllib.load(file)
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         raise DescriptionError(f"{path}: no such file") from None
     except tomllib.TOMLDecodeError as error:

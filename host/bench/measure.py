@@ -114,6 +114,7 @@ def memory_growth_mb(short_s: float, long_s: float) -> dict[str, float]:
     """Peak resident memory of a short and a long run with capture and report, each in a process of its own,
     in MB (Linux).
     """
+    _peak_mb(1.0)  # a process that compiles needs more than one that runs
     peaks = [_peak_mb(duration_s) for duration_s in (short_s, long_s)]
     return {
         "short_s": short_s,

@@ -21,6 +21,7 @@ EXIT_INTERRUPTED = 130
 UsageError: Any = typer.BadParameter.__base__
 """Of the command line framework, which some versions of typer bring with them."""
 DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
+PATH_ERRORS = (errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.ELOOP)
 
 
 def guarded(command: Callable[[], int]) -> None:
@@ -68,6 +69,8 @@ def _described(error: Exception) -> int:
     if isinstance(error, OSError) and error.errno in DISK_ERRORS:
         place = f"{error.filename}: " if error.filename else ""
         return _told(f"{place}{error.strerror}; free some space or name another --out", EXIT_BAD_INPUT)
+    if isinstance(error, OSError) and error.errno in PATH_ERRORS and error.filename:
+        return _told(f"{error.filename}: {error.strerror}", EXIT_BAD_INPUT)
     traceback.print_exc()
     return _told("the run failed: the traceback above tells where, in firmware or navtwin", EXIT_FAILED)
 

@@ -43,12 +43,12 @@ def resolve(request: RunRequest) -> Setup:
     folder_board = load_board(request.board)
     make_importable(folder_board, board_folder(request.board))
     scenario = load_scenario(
-        scenario_path(request.board, request.scenario or folder_board.default_scenario), others
+        scenario_path(request.board, _or(request.scenario, folder_board.default_scenario)), others
     )
     board = load_board(
         request.board, lambda data: apply_overrides(merged(data, scenario.board), board_changes)
     )
-    profile_name = request.profile or board.default_profile
+    profile_name = _or(request.profile, board.default_profile)
     if profile_name not in board.profiles:
         hint = did_you_mean(profile_name, board.profiles)
         raise UserError(f"--profile {profile_name}: {board.name} has no such profile; {hint}")
@@ -56,6 +56,11 @@ def resolve(request: RunRequest) -> Setup:
         {**board.profiles[profile_name], **scenario.profile.get(profile_name, {})}, profile_changes
     )
     return Setup(board, scenario, profile_name, profile)
+
+
+def _or(asked: str | None, default: str) -> str:
+    """An empty name is a name, and a wrong one."""
+    return default if asked is None else asked
 
 
 def scenario_names(board: str) -> list[str]:

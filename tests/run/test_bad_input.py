@@ -47,6 +47,8 @@ def test_scenario_file(tmp_path: Path, text: str, words: list[str]) -> None:
         (["nosuch"], ["no board 'nosuch'", "car_mems"]),
         (["car_mems", "-s", "nosuch"], ["--scenario nosuch", "town-open"]),
         (["car_mems", "-s", "./nosuch.toml"], ["no such file"]),
+        (["car_mems", "-s", ""], ["no such scenario", "town-open"]),
+        (["b" * 300], ["File name too long"]),
         (["car_mems", "-p", "nosuch"], ["--profile nosuch", "full-rate"]),
         (["car_mems", "--seed", "-3"], ["--seed -3", "--seed 1"]),
         (["car_mems", "--seed", str(2**32)], ["--seed 4294967296", "4294967295", "--seed 1"]),
@@ -196,3 +198,11 @@ def test_a_fault_that_never_fired_is_told(tmp_path: Path) -> None:
     done = CliRunner().invoke(app, [*arguments, "--set", fault, "--out", str(tmp_path / "out")])
     assert "fault 'uart-cut host' never fired" in done.output
     assert "garbage host' never" not in done.output
+
+
+def test_a_byte_order_mark_is_no_mistake(tmp_path: Path) -> None:
+    file = tmp_path / "drive.toml"
+    file.write_text("\ufeffduration_s = -10.0" + PLACE, encoding="utf-8")
+    code, message = _run(tmp_path, "car_mems", "-s", str(file))
+    assert code == 2
+    assert "duration_s = -10.0" in message

@@ -69,7 +69,7 @@ def _read(path: Path, heirs: tuple[Path, ...]) -> dict[str, Any]:
 
 def _parse(path: Path, heirs: tuple[Path, ...]) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except FileNotFoundError:
         known = sorted(p.stem for p in path.parent.glob("*.toml"))
         beside = f"; scenarios there: {', '.join(known)}" if known else ""
