@@ -55,7 +55,7 @@ class Bus(Owned):
     """An SPI or I²C bus and its master."""
 
     kind: Literal["spi", "i2c"]
-    clock_hz: PositiveInt = Field(examples=[5_250_000])
+    clock_hz: int = Field(ge=1_000, le=200_000_000, examples=[5_250_000])
     mode: int = Field(default=3, ge=0, le=3, examples=[3])
 
 
@@ -97,13 +97,13 @@ class Chip(Facts):
 class Port(Owned):
     """A UART of a processor; without a chip at it, it is a connector to the outside."""
 
-    baud: PositiveInt = Field(examples=[9600])
+    baud: int = Field(ge=50, le=50_000_000, examples=[9600])
 
 
 class CanPort(Owned):
     """A CAN controller that leads to the outside."""
 
-    bitrate: PositiveInt = Field(examples=[500_000])
+    bitrate: int = Field(ge=5_000, le=1_000_000, examples=[500_000])
 
 
 class Pin(Owned):
