@@ -13,6 +13,7 @@ TABLES: dict[str, tuple[str, Table]] = {
     "/innovation": ("navtwin.Innovation", INNOVATION),
     "/bias": ("navtwin.Bias", BIAS),
 }
+IMU_SCHEMA = "navtwin.Imu"
 EVENTS = ("/event", "navtwin.Event")
 
 NUMBER = {"type": ["number", "null"]}

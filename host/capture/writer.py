@@ -36,13 +36,19 @@ from host.capture.blocks import (
     spi_topic,
     uart_topic,
 )
-from host.capture.topics import EVENTS, TABLES, event_schema, table_schema
+from host.capture.inertial_samples import DECODERS, IMU, Bmi160Traffic
+from host.capture.location_fix import LOCATION_FIX, TOPICS, Fixes
+from host.capture.location_fix import schema as location_fix_schema
+from host.capture.topics import EVENTS, IMU_SCHEMA, TABLES, event_schema, table_schema
 from host.record.row_text import RowText
+from host.record.tables import Table
 
 CAPTURE_FORMAT = "navtwin-capture-2"
 """Of the raw topics; 2 added pins, marks and exact times on the lines into the board."""
 FLUSH_EVERY_NS = 800_000_000
 UNBOUNDED = 1 << 62
+IMU_TEXT = "{" + ",".join(f'"{name}":%.{n}f' for name, n in zip(IMU.columns, IMU.decimals, strict=True)) + "}"
+"""A row of IMU; all of it are numbers."""
 
 Bytes = bytes | bytearray
 SpiRecorder = Callable[[int, int, Bytes, Bytes], None]
@@ -67,15 +73,18 @@ class CaptureWriter:
         self._schemas: dict[str, int] = {}
         self._blocks: list[tuple[int, bytearray]] = []
         self._tapes: list[tuple[int, list[int]]] = []
+        self._spi_blocks: dict[str, bytearray] = {}
+        self._shown: list[tuple[int, bytearray, Bmi160Traffic]] = []
         self._marks = self._raw_channel(MARK_TOPIC, "navtwin.Mark")
-        self._tables = {topic: self._table_channel(topic) for topic in TABLES}
+        self._tables = {topic: self._table_channel(topic, *table) for topic, table in TABLES.items()}
+        self._fixes = {topic: (self._fix_channel(place), Fixes(topic)) for topic, place in TOPICS.items()}
         self._events = self._channel(EVENTS[0], "json", EVENTS[1], "jsonschema", event_schema())
 
     # -- raw traffic -------------------------------------------------------------------------------
 
     def spi_recorder(self, bus: str) -> SpiRecorder:
         """`record(start_ns, end_ns, mosi, miso)` for one SPI bus: the observer of a bus, made for speed."""
-        block = self._block(spi_topic(bus), "navtwin.SpiBlock")
+        block = self._spi_blocks[bus] = self._block(spi_topic(bus), "navtwin.SpiBlock")
         pack = SPI_HEAD.pack
 
         def record(start_ns: int, end_ns: int, mosi: Bytes, miso: Bytes) -> None:
@@ -126,6 +135,24 @@ class CaptureWriter:
         times_ns = np.rint(np.maximum(rows[:, 0], 0.0) * 1e9).astype(np.int64).tolist()
         for t_ns, message in zip(times_ns, text.texts(rows), strict=True):
             self._writer.add_message(channel, t_ns, message, t_ns)
+        if topic in self._fixes:
+            place, fixes = self._fixes[topic]
+            for t_ns, message in fixes.texts(rows):
+                self._writer.add_message(place, t_ns, message, t_ns)
+
+    def show_sensor(self, refdes: str, part: str, bus: str) -> None:
+        """Show samples of an inertial sensor under /imu/<refdes>, when its part is known; see `glimpse`."""
+        if part in DECODERS and bus in self._spi_blocks:
+            channel, _text = self._table_channel(f"/imu/{refdes}", IMU_SCHEMA, IMU)
+            self._shown.append((channel, self._spi_blocks[bus], DECODERS[part]()))
+
+    def glimpse(self) -> None:
+        """Show the last sample of each sensor since the last flush."""
+        for channel, block, traffic in self._shown:
+            row = traffic.glimpse(block)
+            if row is not None:
+                t_ns = round(row[0] * 1e9)
+                self._writer.add_message(channel, t_ns, (IMU_TEXT % row).encode(), t_ns)
 
     def event(self, t_ns: int, source: str, text: str) -> None:
         """Something worth telling."""
@@ -172,8 +199,10 @@ class CaptureWriter:
     def _raw_channel(self, topic: str, schema: str) -> int:
         return self._channel(topic, ENCODING, schema, ENCODING, SCHEMAS[schema].encode())
 
-    def _table_channel(self, topic: str) -> tuple[int, RowText]:
-        schema, table = TABLES[topic]
+    def _fix_channel(self, topic: str) -> int:
+        return self._channel(topic, "json", LOCATION_FIX, "jsonschema", location_fix_schema())
+
+    def _table_channel(self, topic: str, schema: str, table: Table) -> tuple[int, RowText]:
         channel = self._channel(topic, "json", schema, "jsonschema", table_schema(schema, table))
         return channel, RowText.json(table.columns, table.decimals)
 

@@ -103,6 +103,12 @@ class Comparison:
         """For a net that a processor drives; the others come from the capture."""
         return self._wire(pin_topic(net), "navtwin.PinBlock").tape if net in self._output_nets else None
 
+    def show_sensor(self, refdes: str, part: str, bus: str) -> None:
+        """Nothing is shown."""
+
+    def glimpse(self) -> None:
+        """Nothing is shown."""
+
     def load(self, topic: str, block: bytes) -> None:
         """Recorded traffic up to the next mark."""
         if topic in self.wires:

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from boards.chips.world import GnssEpoch
 from boards.description import Board
 from host.capture.blocks import SpiTransaction
+from host.capture.inertial_samples import DECODERS, InertialSamples
 from host.capture.reader import CaptureReader, Decoded
 from host.record.errors import UserError
 from host.record.run_data import NAVIGATING
-from host.replay.inertial_samples import DECODERS, InertialSamples
 from host.replay.road import NS, Road
 from host.sim.gnss.schedule import Window, held, window
 from host.sim.gnss.slow_sky import SlowSky

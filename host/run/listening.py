@@ -48,6 +48,14 @@ class WireRecords(Protocol):
         """For the changes of a net."""
         ...
 
+    def show_sensor(self, refdes: str, part: str, bus: str) -> None:
+        """A chip on a chip select whose samples people may want to see."""
+        ...
+
+    def glimpse(self) -> None:
+        """Time to show one."""
+        ...
+
     def flush(self, now_ns: int | None = None) -> None:
         """All that happened before has been told."""
         ...
@@ -129,6 +137,9 @@ class Ears:
         self._hashes = {name: hashlib.sha256() for name in (*board.from_board, *board.can_buses)}
         if capture is not None:
             self._tap(board, capture)
+            for refdes, chip in board.description.chips.items():
+                if chip.bus in board.spi_buses:
+                    capture.show_sensor(refdes, chip.part, f"{chip.bus}.{chip.name or refdes}")
             board.time.at(FLUSH_EVERY_NS, lambda: self._write_out(capture))
 
     def _tap(self, board: AssembledBoard, capture: WireRecords) -> None:
@@ -167,6 +178,7 @@ class Ears:
     def _write_out(self, capture: WireRecords) -> int:
         """Event: nothing stays in memory for as long as a second."""
         self.hand_on()
+        capture.glimpse()
         capture.flush(self._board.time.now)
         return self._board.time.now + FLUSH_EVERY_NS
 

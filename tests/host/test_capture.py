@@ -87,7 +87,16 @@ def test_the_ordinary_indexed_reader_opens_it_with_valid_json_schemas(tmp_path):
         summary = reader.get_summary()
         assert {c.topic for c in summary.channels.values()} == {
             *("/spi/spi1", "/uart/gnss/rx", "/can/can1"),
-            *("/solution", "/gnss", "/innovation", "/bias", "/event", "/recorded"),
+            *(
+                "/solution",
+                "/gnss",
+                "/innovation",
+                "/bias",
+                "/event",
+                "/recorded",
+                "/fix/solution",
+                "/fix/gnss",
+            ),
         }
         for schema in summary.schemas.values():
             if schema.encoding == "jsonschema":
@@ -172,7 +181,7 @@ def test_decoded_rows_alone_are_written_out_as_well(tmp_path):
     for second in range(20):
         capture.rows("/solution", np.full((1, len(SOLUTION.columns)), float(second)))
         capture.flush()
-    read = list(CaptureReader(tmp_path / "run.mcap.part"))
+    read = [one for one in CaptureReader(tmp_path / "run.mcap.part") if one.topic == "/solution"]
     assert [record.value["t_s"] for record in read] == list(range(20))[: len(read)]
     assert len(read) >= 19
 

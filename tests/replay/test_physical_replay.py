@@ -10,9 +10,9 @@ from typer.testing import CliRunner
 
 from boards.places import board_folder
 from host.capture.blocks import SpiTransaction
-from host.capture.reader import CaptureReader
+from host.capture.inertial_samples import Bmi160Traffic
+from host.capture.reader import CaptureReader, Decoded
 from host.cli.main import app
-from host.replay.inertial_samples import Bmi160Traffic
 from host.replay.physical import replay_physical
 from host.replay.request import ReplayRequest
 from host.replay.run_difference import compare_runs
@@ -74,6 +74,33 @@ def test_scales_follow_the_ranges_of_the_fact_sheet():
     assert samples.force[:, 0] == pytest.approx([9.80665] * 3)
     assert samples.rate[:, 0] == pytest.approx([math.radians(10.0)] * 3, rel=1e-6)
     assert samples.times_ns.tolist() == [1_000_000_000, 1_010_000_000, 1_020_000_000]
+
+
+def test_a_capture_shows_its_sensor_and_positions_to_people():
+    capture, _ = captured("full-rate", ROAD)
+    traffic, shown, fixes, last = Bmi160Traffic(), [], [], None
+    solutions = {}
+    for record in CaptureReader(capture):
+        if isinstance(record, SpiTransaction):
+            traffic.add([record])
+        elif isinstance(record, Decoded) and record.topic == "/imu/U2":
+            shown.append(record.value)
+        elif isinstance(record, Decoded) and record.topic == "/fix/solution":
+            fixes.append(record.value)
+        elif isinstance(record, Decoded) and record.topic == "/solution":
+            solutions[round(record.value["t_s"], 6)] = record.value
+    samples = traffic.samples()
+    assert len(shown) > 200
+    for row in shown:
+        k = int(np.argmin(np.abs(samples.times_ns / 1e9 - row["t_s"])))
+        assert samples.times_ns[k] / 1e9 == pytest.approx(row["t_s"], abs=1e-6)
+        assert row["force_z_mps2"] == pytest.approx(samples.force[k, 2], abs=1e-4)
+        assert row["rate_z_dps"] == pytest.approx(math.degrees(samples.rate[k, 2]), abs=1e-4)
+    assert len(fixes) > 80
+    for fix in fixes:
+        last = solutions[round(fix["timestamp"]["sec"] + fix["timestamp"]["nsec"] / 1e9, 6)]
+        assert (fix["latitude"], fix["altitude"]) == (last["latitude_deg"], last["height_m"])
+        assert fix["position_covariance"][0] == pytest.approx(last["sigma_east_m"] ** 2, rel=1e-3)
 
 
 def test_a_late_read_is_dated_back_and_a_second_one_is_none():

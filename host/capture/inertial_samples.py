@@ -16,7 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from host.capture.blocks import SpiTransaction
+from host.capture.blocks import SPI_HEAD, SpiTransaction
+from host.record.tables import Table
 
 STANDARD_GRAVITY = 9.80665
 TICK_NS = 39_062.5
@@ -29,6 +30,15 @@ LSB_PER_G = {0x3: 16384.0, 0x5: 8192.0, 0x8: 4096.0, 0xC: 2048.0}
 LSB_PER_DPS = {0: 16.4, 1: 32.8, 2: 65.6, 3: 131.2, 4: 262.4}
 NO_SAMPLE = -32768
 AXES = struct.Struct("<6h")
+BURST_SENT = b"\x10\0\0\0" + bytes((0x80 | GYRO,)) + bytes(15)
+"""In a record, the length and MOSI of the common read: address, six axes, sensor time."""
+SETTINGS_WRITTEN = tuple(b"\x02\0\0\0" + bytes((address,)) for address in (*DEFAULTS, COMMAND))
+"""In a record, the length and address of a write that changes scale or rate."""
+IMU = Table(
+    ("t_s", "rate_x_dps", "rate_y_dps", "rate_z_dps", "force_x_mps2", "force_y_mps2", "force_z_mps2"),
+    (6, 4, 4, 4, 4, 4, 4),
+)
+"""Samples for people, in the chip's own axes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +72,29 @@ class Bmi160Traffic:
                 self._read(address, one.miso[1:], one.start_ns)
             elif len(one.mosi) == 2:
                 self._write(address, one.mosi[1])
+
+    def glimpse(self, block: bytes | bytearray) -> tuple[float, ...] | None:
+        """The last sample in a block of records (`host.capture.blocks`) as a row of IMU.
+
+        Made to cost little: a block in which no range is written is not taken apart.
+        """
+        if any(mark in block for mark in SETTINGS_WRITTEN):
+            place = 0
+            while place < len(block):
+                _, _, n = SPI_HEAD.unpack_from(block, place)
+                place += SPI_HEAD.size
+                if n == 2 and not block[place] & 0x80:
+                    self._write(block[place], block[place + 1])
+                place += 2 * n
+        found = block.rfind(BURST_SENT)
+        if found < 0:
+            return None
+        (start_ns, _, n), miso = SPI_HEAD.unpack_from(block, found - 12), found + len(BURST_SENT)
+        self._read(GYRO, bytes(block[miso + 1 : miso + n]), start_ns)
+        if not self._rows:
+            return None
+        t_ns, *values = self._rows.pop()
+        return t_ns / 1e9, *map(math.degrees, values[:3]), *values[3:]
 
     def samples(self) -> InertialSamples:
         """All samples so far."""

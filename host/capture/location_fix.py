@@ -1,0 +1,80 @@
+"""Positions in the schema that Foxglove's map knows: foxglove.LocationFix, as JSON.
+
+Times are virtual time since the start of the run; the covariance is diagonal, east, north, up in m².
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from host.record.run_data import NAVIGATING
+from host.record.tables import GNSS, SOLUTION
+
+LOCATION_FIX = "foxglove.LocationFix"
+TOPICS = {"/solution": "/fix/solution", "/gnss": "/fix/gnss"}
+"""Where the positions of a table go."""
+EACH_S = 1.0
+"""At most one in so long."""
+UNKNOWN, DIAGONAL = 0, 2
+
+_PLACE = ("latitude_deg", "longitude_deg", "height_m")
+_SIGMAS = ("sigma_east_m", "sigma_north_m", "sigma_down_m")
+_SOLUTION = [SOLUTION.columns.index(name) for name in ("mode", *_PLACE, *_SIGMAS)]
+_GNSS = [GNSS.columns.index(name) for name in ("fix", *_PLACE)]
+
+_NUMBER = {"type": "number"}
+_TIME = {
+    "type": "object",
+    "title": "time",
+    "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}},
+}
+
+
+def schema() -> bytes:
+    """The JSON schema, with the fields that are written."""
+    properties = {
+        "timestamp": _TIME,
+        "frame_id": {"type": "string"},
+        "latitude": _NUMBER,
+        "longitude": _NUMBER,
+        "altitude": _NUMBER,
+        "position_covariance": {"type": "array", "items": _NUMBER, "minItems": 9, "maxItems": 9},
+        "position_covariance_type": {"type": "integer"},
+    }
+    document = {"title": LOCATION_FIX, "type": "object", "properties": properties}
+    return json.dumps(document, separators=(",", ":")).encode()
+
+
+class Fixes:
+    """Thins the rows of one table and puts them into words."""
+
+    def __init__(self, topic: str) -> None:
+        self._columns = _SOLUTION if topic == "/solution" else _GNSS
+        self._least = NAVIGATING if topic == "/solution" else 1
+        self._slot = -1
+
+    def texts(self, rows: NDArray[np.float64]) -> Iterator[tuple[int, bytes]]:
+        """(time in ns, message) of the first good row of each second."""
+        chosen = rows[:, self._columns]
+        for t_s, row in zip(rows[:, 0].tolist(), chosen.tolist(), strict=True):
+            slot = math.floor(t_s / EACH_S + 1e-6)
+            if slot > self._slot and row[0] >= self._least and math.isfinite(row[1]):
+                self._slot = slot
+                yield self._text(round(t_s * 1e9), *row[1:])
+
+    def _text(
+        self, t_ns: int, latitude: float, longitude: float, height: float, *sigmas: float
+    ) -> tuple[int, bytes]:
+        sec, nsec = divmod(t_ns, 1_000_000_000)
+        known = len(sigmas) == 3
+        east, north, up = (sigma * sigma for sigma in sigmas) if known else (0.0, 0.0, 0.0)
+        return t_ns, (
+            f'{{"timestamp":{{"sec":{sec},"nsec":{nsec}}},"frame_id":"board","latitude":{latitude:.9f},'
+            f'"longitude":{longitude:.9f},"altitude":{height:.3f},"position_covariance":[{east:.4g},0,0,0,'
+            f'{north:.4g},0,0,0,{up:.4g}],"position_covariance_type":{DIAGONAL if known else UNKNOWN}}}'
+        ).encode()
