@@ -32,8 +32,6 @@ NO_SAMPLE = -32768
 AXES = struct.Struct("<6h")
 BURST_SENT = b"\x10\0\0\0" + bytes((0x80 | GYRO,)) + bytes(15)
 """In a record, the length and MOSI of the common read: address, six axes, sensor time."""
-SETTINGS_WRITTEN = tuple(b"\x02\0\0\0" + bytes((address,)) for address in (*DEFAULTS, COMMAND))
-"""In a record, the length and address of a write that changes scale or rate."""
 IMU = Table(
     ("t_s", "rate_x_dps", "rate_y_dps", "rate_z_dps", "force_x_mps2", "force_y_mps2", "force_z_mps2"),
     (6, 4, 4, 4, 4, 4, 4),
@@ -73,19 +71,13 @@ class Bmi160Traffic:
             elif len(one.mosi) == 2:
                 self._write(address, one.mosi[1])
 
-    def glimpse(self, block: bytes | bytearray) -> tuple[float, ...] | None:
-        """The last sample in a block of records (`host.capture.blocks`) as a row of IMU.
-
-        Made to cost little: a block in which no range is written is not taken apart.
+    def glimpse(self, block: bytes | bytearray, sent: Iterable[bytes]) -> tuple[float, ...] | None:
+        """The last sample in a block of records (`host.capture.blocks`) as a row of IMU. `sent`: MOSI of the
+        two-byte transactions in it. Made to cost little: nothing else of the block is looked at.
         """
-        if any(mark in block for mark in SETTINGS_WRITTEN):
-            place = 0
-            while place < len(block):
-                _, _, n = SPI_HEAD.unpack_from(block, place)
-                place += SPI_HEAD.size
-                if n == 2 and not block[place] & 0x80:
-                    self._write(block[place], block[place + 1])
-                place += 2 * n
+        for address, value in sent:
+            if not address & 0x80:
+                self._write(address, value)
         found = block.rfind(BURST_SENT)
         if found < 0:
             return None

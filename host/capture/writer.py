@@ -73,8 +73,9 @@ class CaptureWriter:
         self._schemas: dict[str, int] = {}
         self._blocks: list[tuple[int, bytearray]] = []
         self._tapes: list[tuple[int, list[int]]] = []
-        self._spi_blocks: dict[str, bytearray] = {}
-        self._shown: list[tuple[int, bytearray, Bmi160Traffic]] = []
+        self._spi: dict[str, tuple[bytearray, list[bytes]]] = {}
+        """Of each chip select the records, and MOSI of the transactions of two bytes: register accesses."""
+        self._shown: list[tuple[int, str, Bmi160Traffic]] = []
         self._marks = self._raw_channel(MARK_TOPIC, "navtwin.Mark")
         self._tables = {topic: self._table_channel(topic, *table) for topic, table in TABLES.items()}
         self._fixes = {topic: (self._fix_channel(place), Fixes(topic)) for topic, place in TOPICS.items()}
@@ -84,13 +85,18 @@ class CaptureWriter:
 
     def spi_recorder(self, bus: str) -> SpiRecorder:
         """`record(start_ns, end_ns, mosi, miso)` for one SPI bus: the observer of a bus, made for speed."""
-        block = self._spi_blocks[bus] = self._block(spi_topic(bus), "navtwin.SpiBlock")
+        block = self._block(spi_topic(bus), "navtwin.SpiBlock")
+        pairs: list[bytes] = []
+        self._spi[bus] = block, pairs
         pack = SPI_HEAD.pack
 
         def record(start_ns: int, end_ns: int, mosi: Bytes, miso: Bytes) -> None:
             nonlocal block
-            block += pack(start_ns, end_ns - start_ns, len(mosi))
+            n = len(mosi)
+            block += pack(start_ns, end_ns - start_ns, n)
             block += mosi
+            if n == 2:
+                pairs.append(bytes(mosi))
             block += miso
 
         return record
@@ -142,14 +148,14 @@ class CaptureWriter:
 
     def show_sensor(self, refdes: str, part: str, bus: str) -> None:
         """Show samples of an inertial sensor under /imu/<refdes>, when its part is known; see `glimpse`."""
-        if part in DECODERS and bus in self._spi_blocks:
+        if part in DECODERS and bus in self._spi:
             channel, _text = self._table_channel(f"/imu/{refdes}", IMU_SCHEMA, IMU)
-            self._shown.append((channel, self._spi_blocks[bus], DECODERS[part]()))
+            self._shown.append((channel, bus, DECODERS[part]()))
 
     def glimpse(self) -> None:
         """Show the last sample of each sensor since the last flush."""
-        for channel, block, traffic in self._shown:
-            row = traffic.glimpse(block)
+        for channel, bus, traffic in self._shown:
+            row = traffic.glimpse(*self._spi[bus])
             if row is not None:
                 t_ns = round(row[0] * 1e9)
                 self._writer.add_message(channel, t_ns, (IMU_TEXT % row).encode(), t_ns)
@@ -173,6 +179,8 @@ class CaptureWriter:
                 (t_ns,) = FIRST_TIME.unpack_from(block)
                 self._writer.add_message(channel, t_ns, bytes(block), t_ns)
                 block.clear()
+        for _block, pairs in self._spi.values():
+            pairs.clear()
         if now_ns is not None:
             self._writer.add_message(self._marks, now_ns, MARK.pack(now_ns), now_ns)
         self._writer.flush()
