@@ -97,5 +97,6 @@ class Cluster:
             return outcome
         if future.status == "cancelled":
             raise CancelledError("the scheduler forgot a run")
-        error = f"on the cluster: {type(future.exception()).__name__}: {future.exception()}"
-        return Outcome(job.key, job.number, failed(job, error), again=True)
+        error = future.exception()
+        row = failed(job, f"the cluster gave the run up: {type(error).__name__}")
+        return Outcome(job.key, job.number, row, times={"traceback": str(error)}, again=True)
