@@ -184,6 +184,14 @@ def test_sigmas_tell_the_error_when_gnss_is_gone_for_good() -> None:
     assert found.horizontal_error[-1] < 30.0
 
 
+@pytest.mark.parametrize("seed", [33, 37])
+def test_two_spoilt_samples_in_a_row_are_not_believed(seed: int) -> None:
+    """Bit errors that happen to strike two samples running, with jumps to different places."""
+    found = drive(broken("spi-bit-errors", "imu", duration_s=20.0, probability=1e-3), seed=seed)
+    assert found.said("IMU samples missing", FAULT_AT_S)
+    assert found.worst(FAULT_AT_S) < GOOD_M
+
+
 def test_reset_between_two_looks_of_the_host_keeps_the_times_of_both_lives() -> None:
     found = drive(broken("cpu-reset", "mcu", 110.0, None))
     t = found.t

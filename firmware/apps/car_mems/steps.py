@@ -16,9 +16,11 @@ MEAN_AT = np.int32(layout.F_SIZE)
 """Where the sums of ω and f (6) and their number lie in `f`."""
 MEAN_COUNT = np.int32(layout.F_SIZE + 6)
 LAST_AT = np.int32(layout.F_SIZE + 7)
-"""Where the last sample that was believed lies in `f` (6), and behind it 1 when one was refused since."""
-REFUSED = np.int32(layout.F_SIZE + 13)
-APP_SIZE = 14
+"""Where the last sample that was believed lies in `f` (6), behind it the last one refused (6), and how many
+were refused in a row."""
+REFUSED_AT = np.int32(layout.F_SIZE + 13)
+REFUSED = np.int32(layout.F_SIZE + 19)
+APP_SIZE = 20
 """What this program keeps in `f` behind navigation."""
 
 ZERO = np.float32(0.0)
@@ -31,28 +33,45 @@ RATE_STEP = np.float32(0.35)
 """rad/s between two samples: 2000 °/s², which no car does."""
 FORCE_STEP = np.float32(15.0)
 """m/s² between two samples, above vibration of 3 m/s² RMS up to 15 Hz."""
+MOST_REFUSED = np.float32(10.0)
+"""In a row; what goes on for a tenth of a second is no disturbance of single samples."""
 
 
 @kernel
-def without_spike(f, i, wx, wy, wz, ax, ay, az):
-    """The sample, or the last one again where a single sample jumps: the bus has no checksum.
-
-    A second jump in a row is believed, it is no bit error.
-    """
-    p = LAST_AT
+def jumps(f, p, wx, wy, wz, ax, ay, az):
+    """Whether the sample is further from the one at `p` than two in a row can be."""
     rate = max(max(abs(wx - f[p]), abs(wy - f[p + 1])), abs(wz - f[p + 2]))
     force = max(max(abs(ax - f[p + 3]), abs(ay - f[p + 4])), abs(az - f[p + 5]))
-    if (rate > RATE_STEP or force > FORCE_STEP) and f[REFUSED] == ZERO:
-        f[REFUSED] = ONE
-        report(i, IMU_GAP)
-        return f[p], f[p + 1], f[p + 2], f[p + 3], f[p + 4], f[p + 5]
-    f[REFUSED] = ZERO
+    return rate > RATE_STEP or force > FORCE_STEP
+
+
+@kernel
+def keep_sample(f, p, wx, wy, wz, ax, ay, az):
+    """Store it at `p`."""
     f[p] = wx
     f[p + 1] = wy
     f[p + 2] = wz
     f[p + 3] = ax
     f[p + 4] = ay
     f[p + 5] = az
+
+
+@kernel
+def without_spike(f, i, wx, wy, wz, ax, ay, az):
+    """The sample, or the last one believed again where it jumps: the bus has no checksum.
+
+    A jump is believed when the sample before jumped to the same place, it is no bit error.
+    """
+    p = LAST_AT
+    if jumps(f, p, wx, wy, wz, ax, ay, az):
+        alone = f[REFUSED] == ZERO or jumps(f, REFUSED_AT, wx, wy, wz, ax, ay, az)
+        if alone and f[REFUSED] < MOST_REFUSED:
+            keep_sample(f, REFUSED_AT, wx, wy, wz, ax, ay, az)
+            f[REFUSED] += ONE
+            report(i, IMU_GAP)
+            return f[p], f[p + 1], f[p + 2], f[p + 3], f[p + 4], f[p + 5]
+    f[REFUSED] = ZERO
+    keep_sample(f, p, wx, wy, wz, ax, ay, az)
     return wx, wy, wz, ax, ay, az
 
 
