@@ -94,7 +94,7 @@ def _parquet(reader: CaptureReader, target: Path, topic: str | None) -> list[Pat
 
 
 def _arrow_type(pa: Any, column: str) -> Any:
-    if column in ("mosi", "miso", "data", "source", "text"):
+    if column in ("mosi", "miso", "data", "source", "text", "frame_id"):
         return pa.string()
     if column in ("identifier", "baud"):
         return pa.int64()

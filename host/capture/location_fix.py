@@ -63,7 +63,7 @@ class Fixes:
         chosen = rows[:, self._columns]
         for t_s, row in zip(rows[:, 0].tolist(), chosen.tolist(), strict=True):
             slot = math.floor(t_s / EACH_S + 1e-6)
-            if slot > self._slot and row[0] >= self._least and math.isfinite(row[1]):
+            if slot > self._slot and row[0] >= self._least and all(map(math.isfinite, row)):
                 self._slot = slot
                 yield self._text(round(t_s * 1e9), *row[1:])
 

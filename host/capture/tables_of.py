@@ -28,7 +28,7 @@ def row_of(record: Traffic | Decoded) -> tuple[str, Row] | None:
     """(topic, row) of one record; None for what is no row of any table."""
     match record:
         case Decoded():
-            return record.topic, record.value
+            return record.topic, _flat(record.value)
         case SpiTransaction():
             row: Row = {"t_s": record.start_ns / NS, "duration_s": (record.end_ns - record.start_ns) / NS}
             return spi_topic(record.bus), {**row, "mosi": record.mosi.hex(), "miso": record.miso.hex()}
@@ -45,3 +45,14 @@ def row_of(record: Traffic | Decoded) -> tuple[str, Row] | None:
             return pin_topic(record.net), {"t_s": record.time_ns / NS, "level": int(record.level)}
         case LineCut() | Mark():
             return None
+
+
+def _flat(value: Row) -> Row:
+    """Tables and lists inside a message as columns of their own: timestamp_sec, position_covariance_0, …"""
+    if not any(isinstance(one, dict | list) for one in value.values()):
+        return value
+    flat: Row = {}
+    for name, one in value.items():
+        inner = one.items() if isinstance(one, dict) else enumerate(one) if isinstance(one, list) else None
+        flat |= {name: one} if inner is None else {f"{name}_{key}": part for key, part in inner}
+    return flat

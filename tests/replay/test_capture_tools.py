@@ -16,7 +16,7 @@ from vcd.reader import TokenKind, tokenize
 
 from host.capture.blocks import CanMessage, PinEdge, SpiTransaction
 from host.capture.overview import look_over
-from host.capture.reader import CaptureReader
+from host.capture.reader import CaptureReader, Decoded
 from host.cli.main import app
 from host.record.errors import UserError
 from host.record.result import RunRequest
@@ -137,6 +137,11 @@ def test_a_cut_that_makes_no_sense_is_told(capture, tmp_path, begin, end):
     assert not (tmp_path / "c.mcap").exists()
 
 
+def test_messages_are_valid_json_with_and_without_fix_height_or_truth():
+    records = [r for r in CaptureReader(captured("thesis", "duration_s=100")[0]) if isinstance(r, Decoded)]
+    assert {record.topic for record in records} >= {"/fix/gnss", "/fix/solution", "/imu/U2", "/solution"}
+
+
 def test_csv_and_parquet_hold_every_row(capture, tmp_path):
     for kind in ("csv", "parquet"):
         outcome = navtwin("capture", "export", capture, "-f", kind, "-o", tmp_path / kind)
@@ -147,6 +152,9 @@ def test_csv_and_parquet_hold_every_row(capture, tmp_path):
     lines = (tmp_path / "csv" / "spi-spi1.imu.csv").read_text().splitlines()
     assert lines[0] == "t_s,duration_s,mosi,miso"
     assert len(lines) == len(spi) + 1
+    fixes = parquet.read_table(tmp_path / "parquet" / "fix-gnss.parquet").to_pydict()
+    assert fixes["position_covariance_8"] == [0.0] * len(fixes["latitude"])
+    assert fixes["timestamp_sec"] == sorted(fixes["timestamp_sec"])
     solution = parquet.read_table(tmp_path / "parquet" / "solution.parquet")
     assert solution.column("t_s").to_pylist()[-1] == pytest.approx(11.8, abs=0.3)
 
