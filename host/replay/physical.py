@@ -17,7 +17,7 @@ from host.record.manifest import build_manifest
 from host.record.result import RunRequest, RunResult
 from host.replay.recorded_world import CaptureContent, RecordedVehicle, RecordedWorld
 from host.replay.request import REPLAY_FORMAT, ReplayRequest
-from host.replay.setting import recorded_setup
+from host.replay.setting import recorded_board, recorded_setup
 from host.run.runner import run_in_world
 from host.run.setup import BOARD_PREFIX, PROFILE_PREFIX, Setup
 
@@ -47,12 +47,12 @@ def replay_physical(request: ReplayRequest) -> PhysicalResult:
     """Replay a capture. Raises UserError for whatever the user can mend."""
     reader = CaptureReader(request.capture)
     next(iter(reader.windows()), None)
-    recorded = recorded_setup(reader.manifest, None, None) if request.board else None
     setup = recorded_setup(reader.manifest, request.board, request.profile)
-    content = CaptureContent(reader, (recorded or setup).board)
+    board = recorded_board(reader.manifest)
+    content = CaptureContent(reader, board)
     duration_ns = reader.end_ns or content.end_ns
     scenario = setup.scenario.model_copy(update={"expect": {}, "duration_s": duration_ns / 1e9})
-    vehicle = RecordedVehicle(scenario, (recorded or setup).board, content, duration_ns)
+    vehicle = RecordedVehicle(scenario, board, content, duration_ns)
     if len(vehicle.road) < 2:
         raise UserError(
             f"capture {request.capture}: it holds no navigation solution, so nothing could be scored"

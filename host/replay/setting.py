@@ -9,7 +9,7 @@ from typing import Any
 from boards.description import Board, load_board
 from boards.hints import did_you_mean
 from boards.places import board_folder
-from boards.validation import DescriptionError
+from boards.validation import DescriptionError, validated
 from host.record.errors import UserError
 from host.record.manifest import MANIFEST_FORMAT
 from host.run.own_modules import make_importable
@@ -46,17 +46,32 @@ def recorded_setup(manifest: Mapping[str, Any], board: str | None, profile: str 
     return Setup(described, scenario, profile_name, apply_overrides(settings, changes))
 
 
+def recorded_board(manifest: Mapping[str, Any]) -> Board:
+    """The board as it was when the capture was made. Raises DescriptionError or ScenarioError."""
+    overrides = [str(change) for change in manifest["overrides"]]
+    data = merged(_parsed(str(manifest["board_text"]), "board_text"), _scenario(manifest, overrides).board)
+    described = apply_overrides(data, _with_prefix(overrides, BOARD_PREFIX))
+    return validated(Board, described, f"board {manifest['board']} in the capture")
+
+
 def board_text_differs(manifest: Mapping[str, Any], board: str | None) -> bool:
     """Whether the board's description is another one than when the capture was made."""
     path = board_folder(board or str(manifest["board"])) / "board.toml"
     return path.read_text(encoding="utf-8") != manifest["board_text"]
 
 
+def _parsed(text: str, name: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise UserError(f"the capture's manifest is damaged: {name} is not valid TOML: {error}") from None
+
+
 def _scenario(manifest: Mapping[str, Any], overrides: list[str]) -> Scenario:
     data: dict[str, Any] = {}
     own, *inherited = str(manifest["scenario_text"]).split(INHERITED)
     for text in (*(f"# {rest}" for rest in reversed(inherited)), own):
-        table = tomllib.loads(text)
+        table = _parsed(text, "scenario_text")
         table.pop("inherit", None)
         data = merged(data, table)
     changes = [change for change in overrides if not change.startswith((BOARD_PREFIX, PROFILE_PREFIX))]

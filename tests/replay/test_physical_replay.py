@@ -134,7 +134,9 @@ def test_another_profile_on_the_same_road_is_as_good_as_if_it_had_driven_there(r
 def test_the_command_writes_a_run_folder_that_replays_in_turn(tmp_path):
     capture, _ = captured("full-rate", "duration_s=100")
     runner = CliRunner()
-    arguments = ["replay", str(capture), "--mode", "physical", "-p", "thesis", "--out", str(tmp_path / "p")]
+    board = str(board_folder("car_mems"))
+    arguments = ["replay", str(capture), "--mode", "physical", "-p", "thesis", "--board", board]
+    arguments += ["--out", str(tmp_path / "p")]
     outcome = runner.invoke(app, [*arguments, "--json", str(tmp_path / "x.json"), "-q"])
     assert outcome.exit_code == 0, outcome.output
     document = json.loads((tmp_path / "x.json").read_text())
