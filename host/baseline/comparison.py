@@ -1,9 +1,6 @@
-"""What has become worse than the baseline, with confidence.
+"""What has become worse than the baseline: runs in pairs of the same set-up and seed, told as a table.
 
-Figures are compared run by run over common seeds: the noise that both share falls out of the difference. A
-figure is *worse* when its mean difference exceeds the tolerance times the baseline's mean and the 95 %
-interval of the paired difference (Student's t) lies wholly on the bad side of zero. With a single common run
-there is no interval; the tolerance alone decides.
+How one figure is judged: `host.baseline.judging`. What could not be compared is said.
 """
 
 from __future__ import annotations
@@ -13,34 +10,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
-import numpy as np
-
-from host.baseline.file import Baseline, BaselineRun, scenario_digest
-from host.baseline.gated import DID_NOT_FINISH, direction
-from host.campaign.statistics import mean_interval
+from host.baseline.file import Baseline, BaselineRun, SetupKey, scenario_digest
+from host.baseline.gated import DID_NOT_FINISH
+from host.baseline.judging import BETTER, UNSURE, WORSE, Difference, Pair, differences
 from host.record.errors import UserError
 from host.report.numbers import NONE, number
 from host.report.summary import Section
 
-ROUNDING = 1e-9
-"""Relative difference below which two figures are the same."""
-WORSE, BETTER = "worse", "better"
-
-
-@dataclass(frozen=True, slots=True)
-class Difference:
-    """One figure of one set-up, over the seeds that both have."""
-
-    setup: str
-    figure: str
-    runs: int
-    baseline: float | None
-    now: float | None
-    low: float | None
-    """Interval of the mean difference now − baseline."""
-    high: float | None
-    verdict: str
-    """"worse", "better" or nothing."""
+TOLD_FIRST = (WORSE, UNSURE, BETTER)
+NAMES_SHOWN = 5
 
 
 @dataclass(frozen=True)
@@ -51,28 +29,46 @@ class Comparison:
     tolerance: float
     differences: tuple[Difference, ...]
     runs: int
+    """Runs that both have."""
+    left_out: tuple[str, ...] = ()
+    """What only one of the two has, in words."""
 
     @property
     def ok(self) -> bool:
-        """Nothing has become worse."""
+        """Nothing has become worse for sure."""
         return not self.worse
 
     @property
     def worse(self) -> list[Difference]:
-        """What has."""
-        return [one for one in self.differences if one.verdict == WORSE]
+        """What has become worse."""
+        return self._judged(WORSE)
+
+    @property
+    def unsure(self) -> list[Difference]:
+        """What is beyond the tolerance, but may be chance."""
+        return self._judged(UNSURE)
 
     def verdict(self) -> str:
         """One line."""
-        base = f"the baseline {self.baseline.path} (tolerance {100 * self.tolerance:g} %, {self.runs} runs)"
-        better = sum(one.verdict == BETTER for one in self.differences)
-        if self.ok:
-            return f"nothing is worse than {base}; {better} figures are better"
-        return f"{len(self.worse)} figures are WORSE than {base}"
+        runs = _counted(self.runs, "run")
+        base = f"the baseline {self.baseline.path} (tolerance {100 * self.tolerance:g} %, {runs})"
+        more = "may be worse, within the interval: run more seeds"
+        unsure = _counted(len(self.unsure), "figure")
+        if self.worse:
+            told = f"{_are(len(self.worse))} WORSE than {base}" + (
+                f"; {unsure} {more}" if self.unsure else ""
+            )
+        elif self.unsure:
+            told = f"against {base} {unsure} {more}"
+        else:
+            told = f"nothing is worse than {base}; {_are(len(self._judged(BETTER)))} better"
+        return "; ".join((told, *self.left_out))
 
     def section(self) -> Section:
-        """What has become worse, then what has become better."""
-        told = sorted((one for one in self.differences if one.verdict), key=lambda one: one.verdict != WORSE)
+        """What has become worse, what may have, then what has become better."""
+        told = sorted(
+            (one for one in self.differences if one.verdict), key=lambda one: TOLD_FIRST.index(one.verdict)
+        )
         rows = tuple(
             (
                 one.setup,
@@ -96,9 +92,12 @@ class Comparison:
             "tolerance": self.tolerance,
             "ok": self.ok,
             "runs": self.runs,
-            "worse": [asdict(one) for one in self.worse],
-            "better": [asdict(one) for one in self.differences if one.verdict == BETTER],
+            "left_out": list(self.left_out),
+            **{kind: [asdict(one) for one in self._judged(kind)] for kind in TOLD_FIRST},
         }
+
+    def _judged(self, verdict: str) -> list[Difference]:
+        return [one for one in self.differences if one.verdict == verdict]
 
 
 def compared(
@@ -107,16 +106,18 @@ def compared(
     """Hold runs against a baseline. Raises UserError when it is not one for them."""
     must_fit(baseline, manifest)
     before = {(one.setup, one.seed): one for one in baseline.runs}
-    pairs: dict[tuple[str, tuple[tuple[str, str], ...]], list[tuple[BaselineRun, BaselineRun]]] = {}
+    pairs: dict[SetupKey, list[Pair]] = {}
     for run in runs:
         old = before.get((run.setup, run.seed))
         if old is not None:
             pairs.setdefault(run.setup, []).append((old, run))
     if not pairs:
-        have = sorted({f"{one.profile} seed {one.seed}" for one in baseline.runs})[:5]
-        raise UserError(f"--baseline {baseline.path}: has no run in common; it has {', '.join(have)} …")
-    found = [_of_setup(_label(setup), both, tolerance) for setup, both in pairs.items()]
-    return Comparison(baseline, tolerance, tuple(itertools.chain(*found)), sum(map(len, pairs.values())))
+        raise UserError(f"--baseline {baseline.path}: has no run in common; {_what_it_has(baseline)}")
+    found = [differences(_label(setup), both, tolerance) for setup, both in pairs.items()]
+    left_out = (*_unpaired_setups(baseline, runs), *_unknown_figures(pairs))
+    return Comparison(
+        baseline, tolerance, tuple(itertools.chain(*found)), sum(map(len, pairs.values())), left_out
+    )
 
 
 def must_fit(baseline: Baseline, manifest: Mapping[str, Any]) -> None:
@@ -137,45 +138,50 @@ def must_fit(baseline: Baseline, manifest: Mapping[str, Any]) -> None:
             )
 
 
-def _label(setup: tuple[str, tuple[tuple[str, str], ...]]) -> str:
+def _unpaired_setups(baseline: Baseline, runs: Sequence[BaselineRun]) -> list[str]:
+    there = dict.fromkeys(one.setup for one in baseline.runs)
+    here = dict.fromkeys(one.setup for one in runs)
+    return [
+        f"{what}: {_listed([_label(setup) for setup in some if setup not in others])}"
+        for what, some, others in (
+            ("in the baseline but not run", there, here),
+            ("run but not in the baseline", here, there),
+        )
+        if any(setup not in others for setup in some)
+    ]
+
+
+def _unknown_figures(pairs: Mapping[SetupKey, Sequence[Pair]]) -> list[str]:
+    """Figures that would be compared, were they in the baseline."""
+    reached_ends = [pair for both in pairs.values() for pair in both if not pair[0].figures[DID_NOT_FINISH]]
+    known = {name for old, _ in reached_ends for name in old.figures}
+    now = dict.fromkeys(
+        name for _, run in reached_ends for name in run.figures if run.figures[name] is not None
+    )
+    lacking = [name for name in now if name not in known]
+    return [f"not compared, since the baseline lacks them: {_listed(lacking)}"] if lacking else []
+
+
+def _what_it_has(baseline: Baseline) -> str:
+    have = sorted({(one.profile, one.seed) for one in baseline.runs})
+    return f"it has {_listed([f'{profile} seed {seed}' for profile, seed in have])}"
+
+
+def _listed(names: Sequence[str]) -> str:
+    shown = ", ".join(names[:NAMES_SHOWN]) or "no runs"
+    return shown if len(names) <= NAMES_SHOWN else f"{shown} … ({len(names)} in all)"
+
+
+def _label(setup: SetupKey) -> str:
     return " ".join([setup[0], *(f"{key}={value}" for key, value in setup[1])])
 
 
-def _of_setup(
-    setup: str, pairs: Sequence[tuple[BaselineRun, BaselineRun]], tolerance: float
-) -> list[Difference]:
-    finished = [pair for pair in pairs if not pair[1].figures[DID_NOT_FINISH]]
-    names = [name for name in pairs[0][0].figures if name != DID_NOT_FINISH]
-    made = [_compare(setup, DID_NOT_FINISH, pairs, 0.0)]
-    return made + [_compare(setup, name, finished, tolerance) for name in names if finished]
+def _counted(count: int, what: str) -> str:
+    return f"1 {what}" if count == 1 else f"{count} {what}s"
 
 
-def _compare(
-    setup: str, name: str, pairs: Sequence[tuple[BaselineRun, BaselineRun]], tolerance: float
-) -> Difference:
-    both = [(old.figures.get(name), new.figures.get(name)) for old, new in pairs]
-    lost = sum(old is not None and new is None for old, new in both)
-    values = np.array([(old, new) for old, new in both if old is not None and new is not None], dtype=float)
-    if lost:
-        base = float(values[:, 0].mean()) if len(values) else None
-        return Difference(setup, name, len(values), base, None, None, None, WORSE)
-    if len(values) == 0:
-        return Difference(setup, name, 0, None, None, None, None, "")
-    base, now = values.mean(axis=0).tolist()
-    differences = values[:, 1] - values[:, 0]
-    mean = float(differences.mean())
-    low = high = None
-    if len(values) > 1:
-        low, high = mean_interval(mean, float(differences.std(ddof=1)), len(values))
-    sign = direction(name)
-    sure_low, sure_high = (mean, mean) if low is None or high is None else (low, high)
-    allowed = tolerance * abs(base) + ROUNDING * abs(base)
-    verdict = ""
-    if sign * mean > allowed and min(sign * sure_low, sign * sure_high) > 0:
-        verdict = WORSE
-    elif -sign * mean > allowed and max(sign * sure_low, sign * sure_high) < 0:
-        verdict = BETTER
-    return Difference(setup, name, len(values), base, now, low, high, verdict)
+def _are(count: int) -> str:
+    return f"{_counted(count, 'figure')} {'is' if count == 1 else 'are'}"
 
 
 def _change(one: Difference) -> str:

@@ -22,6 +22,9 @@ from host.score.expectations import flat_figures
 BASELINE_FORMAT = "navtwin-baseline-1"
 FINISHED = "finished"
 
+SetupKey = tuple[str, tuple[tuple[str, str], ...]]
+"""Profile and swept values, these by the names of their keys."""
+
 
 @dataclass(frozen=True)
 class BaselineRun:
@@ -33,9 +36,9 @@ class BaselineRun:
     figures: Mapping[str, float | None]
 
     @property
-    def setup(self) -> tuple[str, tuple[tuple[str, str], ...]]:
-        """All but the seed."""
-        return self.profile, self.swept
+    def setup(self) -> SetupKey:
+        """All but the seed; keys of `--set` in any order are the same set-up."""
+        return self.profile, tuple(sorted(self.swept))
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ MANIFEST: dict[str, Any] = {
 
 def runs(values: list[float | None], figure: str = "yaw_rms_deg") -> list[BaselineRun]:
     return [
-        BaselineRun("full-rate", (), seed, {figure: value, "did_not_finish": 0.0})
+        BaselineRun("full-rate", (), seed, {"did_not_finish": 0.0, figure: value})
         for seed, value in enumerate(values)
     ]
 
@@ -59,6 +59,53 @@ def test_tolerance_decides_a_single_run(tmp_path: Path, factor: float, ok: bool)
     found = compare(tmp_path, runs([2.0]), runs([2.0 * factor]))
     assert found.ok is ok
     assert found.differences[-1].low is None
+
+
+def pairwise(
+    tmp_path: Path, before: list[float], now: list[float], figure: str = "yaw_rms_deg"
+) -> Comparison:
+    return compare(tmp_path, runs([*before], figure), runs([*now], figure))
+
+
+def test_two_seeds_that_are_both_worse_are_worse(tmp_path: Path) -> None:
+    """The interval of two differences as unlike as these is 12 times as wide as their mean."""
+    assert [one.figure for one in pairwise(tmp_path, [1.0, 1.0], [1.1, 3.0]).worse] == ["yaw_rms_deg"]
+
+
+def test_what_more_seeds_would_tell_is_listed_and_never_called_good(tmp_path: Path) -> None:
+    found = pairwise(tmp_path, [1.0, 1.0], [1.0, 1.5])
+    assert [one.figure for one in found.unsure] == ["yaw_rms_deg"]
+    assert "run more seeds" in found.verdict()
+    assert "nothing is worse" not in found.verdict()
+    assert [row[-1] for row in found.section().rows] == ["unsure"]
+    assert [one["figure"] for one in found.to_dict()["unsure"]] == ["yaw_rms_deg"]
+
+
+def test_what_never_happened_before_is_worse_when_it_happens_once(tmp_path: Path) -> None:
+    for figure in ("deadline_misses", "overruns", "did_not_finish"):
+        found = pairwise(tmp_path, [0.0] * 20, [0.0] * 19 + [1.0], figure)
+        assert [one.figure for one in found.worse] == [figure]
+
+
+def test_figures_that_the_first_run_lacks_are_compared(tmp_path: Path) -> None:
+    failed = BaselineRun("full-rate", (), 0, {"did_not_finish": 1.0})
+    before = [failed, *runs([1.0, 1.0, 1.0])[1:]]
+    now = [failed, *runs([2.0, 2.0, 2.0])[1:]]
+    (worse,) = compare(tmp_path, before, now).worse
+    assert (worse.figure, worse.runs) == ("yaw_rms_deg", 2)
+
+
+def test_run_that_used_to_fail_is_no_lost_figure(tmp_path: Path) -> None:
+    failed = BaselineRun("full-rate", (), 0, {"yaw_rms_deg": 9.0, "did_not_finish": 1.0})
+    found = compare(tmp_path, [failed, *runs([1.0, 1.0])[1:]], runs([50.0, 1.0]))
+    assert found.ok
+    assert [one.runs for one in found.differences if one.figure == "yaw_rms_deg"] == [1]
+
+
+def test_order_of_swept_keys_is_no_other_setup(tmp_path: Path) -> None:
+    before = BaselineRun("p", (("a", "1"), ("b", "2")), 1, {"yaw_rms_deg": 1.0, "did_not_finish": 0.0})
+    now = BaselineRun("p", (("b", "2"), ("a", "1")), 1, {"yaw_rms_deg": 2.0, "did_not_finish": 0.0})
+    assert [one.setup for one in compare(tmp_path, [before], [now]).worse] == ["p a=1 b=2"]
 
 
 def test_less_availability_and_a_first_deadline_miss_are_worse(tmp_path: Path) -> None:
