@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -67,15 +68,15 @@ def parse_tolerance(text: str) -> float:
 def read_baseline(path: Path) -> Baseline:
     """Raises UserError when it cannot be read or is of another version."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = json.loads(path.read_text(encoding="utf-8"), parse_constant=_refused)
     except FileNotFoundError:
         raise UserError(
             f"--baseline {path}: no such file; make it: navtwin baseline update {path} runs/FOLDER"
         ) from None
     except OSError as error:
         raise UserError(f"--baseline {path}: cannot be read: {error.strerror}") from None
-    except ValueError:
-        raise UserError(f"--baseline {path}: is not valid JSON") from None
+    except ValueError as error:
+        raise UserError(f"--baseline {path}: is not valid JSON ({error})") from None
     form = found.get("format") if isinstance(found, dict) else None
     if form != BASELINE_FORMAT:
         raise UserError(
@@ -83,14 +84,51 @@ def read_baseline(path: Path) -> Baseline:
             f" make it anew: navtwin baseline update {path} runs/FOLDER"
         )
     try:
-        runs = tuple(
-            BaselineRun(one["profile"], tuple(one["set"].items()), one["seed"], one["figures"])
-            for one in found["runs"]
-        )
-        overrides = tuple(found["overrides"])
-        return Baseline(path, found["board"], found["scenario"], found["scenario_digest"], overrides, runs)
-    except (KeyError, TypeError, AttributeError) as error:
-        raise UserError(f"--baseline {path}: is not complete ({error}); make it anew") from None
+        runs = tuple(_run_of_line(one) for one in found["runs"])
+        board, scenario, digest = (_text(found, name) for name in ("board", "scenario", "scenario_digest"))
+        overrides = tuple(str(change) for change in found["overrides"])
+        keys = [(one.setup, one.seed) for one in runs]
+        if len(set(keys)) != len(keys):
+            raise ValueError("the same run stands in it twice")
+        return Baseline(path, board, scenario, digest, overrides, runs)
+    except KeyError as error:
+        raise UserError(f"--baseline {path}: is not complete ({error} is missing); make it anew") from None
+    except (ValueError, TypeError, AttributeError) as error:
+        raise UserError(f"--baseline {path}: cannot be used ({error}); make it anew") from None
+
+
+def _run_of_line(line: Mapping[str, Any]) -> BaselineRun:
+    """One run of the file. KeyError, ValueError, TypeError, AttributeError: it is none."""
+    seed, swept = line["seed"], line["set"]
+    if isinstance(seed, bool) or not isinstance(seed, int):
+        raise ValueError(f"seed = {seed!r} must be a whole number")
+    run = BaselineRun(
+        _text(line, "profile"),
+        tuple((key, str(value)) for key, value in swept.items()),
+        seed,
+        line["figures"],
+    )
+    for name, value in run.figures.items():
+        if value is not None and not _is_figure(value):
+            raise ValueError(f"seed {seed}: {name} = {value!r} must be a number or null")
+    if run.figures[DID_NOT_FINISH] not in (0, 1):
+        raise ValueError(f"seed {seed}: {DID_NOT_FINISH} must be 0 or 1")
+    return run
+
+
+def _is_figure(value: Any) -> bool:
+    """A number that floating point holds."""
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) <= sys.float_info.max
+
+
+def _text(table: Mapping[str, Any], key: str) -> str:
+    if not isinstance(table[key], str):
+        raise ValueError(f"{key} = {table[key]!r} must be a text")
+    return str(table[key])
+
+
+def _refused(constant: str) -> float:
+    raise ValueError(f"{constant} is no number of JSON")
 
 
 def write_baseline(path: Path, manifest: Mapping[str, Any], runs: Sequence[BaselineRun]) -> None:

@@ -148,6 +148,14 @@ def test_baseline_of_something_else_is_refused(tmp_path: Path, change: dict[str,
         compared(read_baseline(path), runs([1.0]), {**MANIFEST, **change}, 0.05)
 
 
+def test_runs_of_the_baseline_are_told_in_order(tmp_path: Path) -> None:
+    other = [BaselineRun("thesis", (), 0, {"did_not_finish": 0.0})]
+    with pytest.raises(UserError, match=r"full-rate seed 1, full-rate seed 2, .* seed 4 … .12 in all"):
+        compare(tmp_path, runs([1.0] * 12), other)
+    with pytest.raises(UserError, match=r"it has no runs$"):
+        compare(tmp_path, [], other)
+
+
 def test_no_common_run_is_told(tmp_path: Path) -> None:
     path = tmp_path / "baseline.json"
     write_baseline(path, MANIFEST, runs([1.0]))
@@ -166,6 +174,48 @@ def test_file_that_is_no_baseline(tmp_path: Path, text: str, words: str) -> None
     path.write_text(text)
     with pytest.raises(UserError, match=words):
         read_baseline(path)
+
+
+LINE = '{"profile": "p", "set": {}, "seed": 1, "figures": {"yaw_rms_deg": 1.0, "did_not_finish": 0.0}}'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [("1.0", "NaN", "not valid JSON"), ("1.0", "-Infinity", "not valid JSON"),
+     ("1.0", "1e999", "yaw_rms_deg = inf"),
+     ("1.0", '"1.0"', "must be a number or null"), ("1.0", "[1.0]", "must be a number or null"),
+     ("1.0", "true", "must be a number or null"), (': 1, "f', ': "1", "f', "must be a whole number"),
+     ('"p"', "3", "profile = 3 must be a text"), ("{}", "[1]", "make it anew"),
+     ("0.0", "null", "must be 0 or 1"),
+     ("0.0", "2", "must be 0 or 1"), (', "did_not_finish": 0.0', "", "'did_not_finish' is missing"),
+     (LINE, f"{LINE}, {LINE}", "stands in it twice"), (LINE, "7", "make it anew")],
+)  # fmt: skip
+def test_figures_that_are_none_are_one_message(tmp_path: Path, old: str, new: str, words: str) -> None:
+    path = tmp_path / "baseline.json"
+    head = '{"format": "navtwin-baseline-1", "board": "b", "scenario": "s", "scenario_digest": "d",'
+    assert old in LINE
+    path.write_text(f'{head} "overrides": [], "runs": [{LINE.replace(old, new)}]}}')
+    with pytest.raises(UserError, match=words) as told:
+        read_baseline(path)
+    assert str(path) in str(told.value)
+
+
+def test_figures_that_the_baseline_lacks_are_named(tmp_path: Path) -> None:
+    now = [BaselineRun("full-rate", (), 0, {"did_not_finish": 0.0, "yaw_rms_deg": 1.0, "overruns": 3.0})]
+    found = compare(tmp_path, runs([1.0]), now)
+    assert "the baseline lacks them: overruns" in found.verdict()
+    assert found.to_dict()["left_out"]
+    assert not compare(tmp_path, runs([1.0]), runs([1.0])).left_out
+
+
+def test_setups_that_only_one_of_the_two_has_are_named(tmp_path: Path) -> None:
+    def run_of(profile: str, *swept: tuple[str, str]) -> BaselineRun:
+        return BaselineRun(profile, swept, 0, {"did_not_finish": 0.0, "yaw_rms_deg": 1.0})
+
+    before, now = [run_of("a"), run_of("b", ("k", "1"))], [run_of("a"), run_of("c")]
+    verdict = compare(tmp_path, before, now).verdict()
+    assert "in the baseline but not run: b k=1" in verdict
+    assert "run but not in the baseline: c" in verdict
 
 
 def test_baseline_file_has_a_run_a_line(tmp_path: Path) -> None:
