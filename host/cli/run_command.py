@@ -66,8 +66,9 @@ def execute(request: RunRequest, outputs: Outputs) -> int:
 
 
 def print_comparison(console: Console, comparison: Comparison, quiet: bool) -> None:
-    """What has become worse, or one line that nothing has."""
-    if not quiet and comparison.section().rows:
+    """What has become worse or may have, also when `quiet`; else one line that nothing has."""
+    bad = comparison.worse or comparison.unsure
+    if comparison.section().rows and (bad or not quiet):
         print_section(console, comparison.section())
     else:
         console.print(comparison.verdict(), soft_wrap=True)

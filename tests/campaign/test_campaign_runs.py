@@ -220,6 +220,10 @@ def test_baseline_of_a_campaign_gates_campaigns_and_runs(whole: Path, tmp_path: 
     told = json.loads(result.stdout)
     assert told["ok"] is False
     assert [one["figure"] for one in told["baseline"]["worse"]] == ["velocity_rms_mps"]
+    quiet = campaign(plain, "--baseline", file)
+    assert quiet.exit_code == 1
+    assert "1 figure is WORSE than" in quiet.output
+    assert "velocity_rms_mps" in quiet.output, "also the quiet ones are told what is worse"
     assert campaign(plain, "--baseline", file, "--tolerance", "20%").exit_code == 0
 
     single = ("run", "car_mems", "-s", REST, "--seed", 2, "--no-capture", "--out", tmp_path / "r")
