@@ -15,14 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from host.baseline.gated import DID_NOT_FINISH, gated
+from host.campaign.row import FINISHED
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 from host.record.result import BusUse, CpuUse, FaultUse, RunResult
 from host.score.expectations import flat_figures
 
 BASELINE_FORMAT = "navtwin-baseline-1"
-FINISHED = "finished"
-
 SetupKey = tuple[str, tuple[tuple[str, str], ...]]
 """Profile and swept values, these by the names of their keys."""
 

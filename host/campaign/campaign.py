@@ -151,5 +151,5 @@ def _compile(plan: Plan, manifest: dict[str, Any], folder: Path, journal: Journa
     """Write the result file of what the journal holds."""
     outcomes = tuple(sorted(journal.outcomes.values(), key=lambda outcome: outcome.number))
     if outcomes:
-        write_table(folder / RESULT, [outcome.row for outcome in outcomes], manifest)
+        write_table(folder / RESULT, [outcome.row for outcome in outcomes], manifest, len(plan))
     return Finished(plan, manifest, folder, outcomes, resumed)

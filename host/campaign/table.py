@@ -18,6 +18,8 @@ from host.record.atomic import write_whole
 from host.record.errors import UserError
 
 METADATA = b"navtwin"
+PLANNED = "planned_runs"
+"""In the metadata besides the manifest: how many rows the file has when the campaign is done."""
 
 CONSTANT = ("board", "scenario", "sources", "machine")
 """Columns that are the same in all rows, from the manifest; besides them the versions and the overrides."""
@@ -35,21 +37,24 @@ def must_have_parquet() -> None:
             )
 
 
-def write_table(path: Path, rows: Sequence[Mapping[str, Value]], manifest: Mapping[str, Any]) -> None:
-    """Write all rows. Raises UserError when the file cannot be written."""
+def write_table(
+    path: Path, rows: Sequence[Mapping[str, Value]], manifest: Mapping[str, Any], planned: int
+) -> None:
+    """Write all rows that there are. Raises UserError when the file cannot be written."""
     import pyarrow as pa
     import pyarrow.parquet as pq
 
     columns = _columns(rows, manifest)
     arrays = {name: _array(pa, name, values) for name, values in columns.items()}
-    table = pa.table(arrays).replace_schema_metadata({METADATA: json.dumps(manifest, sort_keys=True)})
+    metadata = json.dumps({**manifest, PLANNED: planned}, sort_keys=True)
+    table = pa.table(arrays).replace_schema_metadata({METADATA: metadata})
     buffer = io.BytesIO()
     pq.write_table(table, buffer, compression="zstd")
     write_whole(path, buffer.getvalue(), "--out")
 
 
 def read_rows(path: Path) -> tuple[list[dict[str, Value]], dict[str, Any]]:
-    """All rows of a result file, and its manifest. Raises UserError."""
+    """All rows of a result file, and its manifest with PLANNED. Raises UserError."""
     must_have_parquet()
     import pyarrow as pa
     import pyarrow.parquet as pq

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from host.cli.exit_codes import guarded
+from host.cli.exit_codes import CAMPAIGN_INTERRUPTED, guarded
 
 Board = Annotated[str, typer.Argument(metavar="BOARD", help="A board's name, or a folder with a board.toml.")]
 Scenario = Annotated[
@@ -92,4 +92,4 @@ def campaign_command(
         outputs = Outputs(out, json, markdown, quiet, fresh, pass_share, baseline, tolerance)
         return execute(asked, outputs, workers, scheduler)
 
-    guarded(command)
+    guarded(command, CAMPAIGN_INTERRUPTED)

@@ -24,14 +24,18 @@ DISK_ERRORS = (errno.ENOSPC, errno.EDQUOT, errno.EROFS)
 PATH_ERRORS = (errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.ELOOP)
 
 
-def guarded(command: Callable[[], int]) -> None:
+INTERRUPTED = "interrupted; what was written so far is marked as incomplete"
+CAMPAIGN_INTERRUPTED = "interrupted; finished runs are kept, the same command goes on with the others"
+
+
+def guarded(command: Callable[[], int], interrupted: str = INTERRUPTED) -> None:
     """Run a command and end with its exit code; messages go to standard error."""
     try:
         code = command()
     except UserError as error:
         code = _told(str(error), EXIT_BAD_INPUT)
     except KeyboardInterrupt:
-        code = _told("interrupted; what was written so far is marked as incomplete", EXIT_INTERRUPTED)
+        code = _told(interrupted, EXIT_INTERRUPTED)
     except BrokenPipeError:  # whoever read our output has gone; the command line framework ends quietly
         raise
     except Exception as error:

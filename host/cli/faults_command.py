@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from host.cli.campaign_command import Board, Changes, Data, Fresh, Quiet, Scenario, Scheduler, Workers
-from host.cli.exit_codes import guarded
+from host.cli.exit_codes import CAMPAIGN_INTERRUPTED, guarded
 
 
 def faults_command(
@@ -51,4 +51,4 @@ def faults_command(
         )
         return execute_faults(asked, out, workers, scheduler, fresh, quiet)
 
-    guarded(command)
+    guarded(command, CAMPAIGN_INTERRUPTED)

@@ -21,7 +21,7 @@ from host.cli.campaign_command import (
     Seeds,
     Workers,
 )
-from host.cli.exit_codes import guarded
+from host.cli.exit_codes import CAMPAIGN_INTERRUPTED, guarded
 
 
 def sweep_command(
@@ -68,4 +68,4 @@ def sweep_command(
         asked = (board, scenario, seeds, profile, changes, data)
         return execute_sweep(asked, key, values, outputs, workers, scheduler)
 
-    guarded(command)
+    guarded(command, CAMPAIGN_INTERRUPTED)

@@ -15,7 +15,9 @@ from pathlib import Path
 import pytest
 from campaign_rig import REST, campaign, navtwin, rows, summary
 
+from host.campaign.folder import MANIFEST, RESULT
 from host.campaign.journal import JOURNAL
+from host.campaign.table import write_table
 from host.record.result import RunRequest
 from host.run.runner import run
 
@@ -169,8 +171,38 @@ def test_interrupt_ends_at_once_and_keeps_what_is_finished(tmp_path: Path) -> No
     os.killpg(running.pid, signal.SIGINT)
     _, told = running.communicate(timeout=20)
     assert running.returncode == 130
-    assert told.strip().splitlines()[-1].startswith("navtwin: interrupted")
+    assert told.strip().splitlines()[-1].startswith("navtwin: interrupted; finished runs are kept")
+    result = navtwin("baseline", "update", tmp_path / "good.json", tmp_path / "c")
+    assert result.exit_code == 2
+    assert "of 400 runs are done" in result.stderr
+    assert not (tmp_path / "good.json").exists()
     assert len(rows(tmp_path / "c")) == journal.read_bytes().count(b"\n") - 1
+
+
+@pytest.mark.parametrize(
+    ("kind", "planned", "status", "words"),
+    [("campaign", 3, "finished", "1 of 3 runs are done"), ("sweep", 1, "finished", "holds a sweep"),
+     ("faults", 1, "finished", "holds a fault sheet"), ("campaign", 1, "failed", "with seed 7: lost;")],
+)  # fmt: skip
+def test_no_baseline_is_made_of_less_than_a_whole_campaign(
+    tmp_path: Path, kind: str, planned: int, status: str, words: str
+) -> None:
+    manifest = {
+        "kind": kind,
+        "board": "b",
+        "scenario": "s",
+        "sources": "",
+        "machine": "",
+        "scenario_text": "",
+    }
+    manifest |= {"versions": {}, "overrides": [], "swept": {}}
+    row = {"run": 0, "profile": "p", "seed": 7, "status": status, "error": "lost"}
+    write_table(tmp_path / RESULT, [row], manifest, planned)
+    (tmp_path / MANIFEST).write_text("{}")
+    result = navtwin("baseline", "update", tmp_path / "good.json", tmp_path)
+    assert result.exit_code == 2
+    assert words in result.stderr
+    assert not (tmp_path / "good.json").exists()
 
 
 @pytest.fixture(scope="module")
