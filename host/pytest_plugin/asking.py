@@ -42,10 +42,10 @@ class Asking:
             wanted["board"] = board
         try:
             request = self._request(wanted)
-            result = self._result(request)
+            return CheckedRun(self._result(request), request, self._note)
         except UserError as error:
-            pytest.fail(f"navtwin_run: {error}", pytrace=False)
-        return CheckedRun(result, request, self._note)
+            mistake = str(error)
+        pytest.fail(f"navtwin_run: {mistake}", pytrace=False)  # not in the handler: it would be told twice
 
     def _request(self, wanted: Mapping[str, Any]) -> RunRequest:
         """Marks from the module's to the test's own, then the arguments."""

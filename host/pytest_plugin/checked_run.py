@@ -58,11 +58,14 @@ class CheckedRun:
     def _judged(self, wanted: Mapping[str, Any]) -> Sequence[Expectation]:
         __tracebackhide__ = True
         parsed = {}
+        mistake = ""
         for name, value in wanted.items():
             try:
                 parsed[name] = limit_of(value)
             except ValueError as error:
-                pytest.fail(f"expect({name}={value!r}): {error}", pytrace=False)
+                mistake = mistake or f"expect({name}={value!r}): {error}"
+        if mistake:
+            pytest.fail(mistake, pytrace=False)
         self._check(parsed)
         return judge(with_solution_demanded(parsed), self._figures)
 
@@ -82,10 +85,13 @@ class CheckedRun:
         result = self.result
         lists = {"cpu": result.cpu, "buses": result.buses, "faults": result.faults}
         parts = {head: [part.name for part in items] for head, items in lists.items()}  # type: ignore[attr-defined]
+        mistake = ""
         try:
             check_names(limits, parts, result.board, recording=result.recording is not None)
         except UserError as error:
-            pytest.fail(str(error), pytrace=False)
+            mistake = str(error)
+        if mistake:
+            pytest.fail(mistake, pytrace=False)
 
     def _told(self, judged: Sequence[Expectation], wanted: Mapping[str, Any]) -> str:
         result = self.result

@@ -53,6 +53,7 @@ def failure(call, *arguments, **more) -> str:
     """What a test that does this is told."""
     with pytest.raises((pytest.fail.Exception, AssertionError)) as told:
         call(*arguments, **more)
+    assert told.value.__context__ is None, "a mistake is told once"
     return str(told.value)
 
 
