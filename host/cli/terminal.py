@@ -69,7 +69,7 @@ def _table(section: Section, rows: tuple[tuple[str, ...], ...]) -> Table:
     title = Text.assemble((section.title, "bold"), note)
     table = Table(title=title, title_justify="left", title_style="", box=SIMPLE_HEAD, pad_edge=False)
     for place, name in enumerate(section.columns):
-        table.add_column(name, justify="left" if place < section.words else "right", overflow="fold")
+        table.add_column(name, justify="left" if section.is_text(place) else "right", overflow="fold")
     for row in rows:
         table.add_row(*map(_cell, row))
     return table

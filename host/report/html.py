@@ -41,7 +41,7 @@ def table(section: Section) -> str:
 
 
 def _cell(tag: str, text: str, place: int, section: Section) -> str:
-    kind = {MET: "ok", NOT_MET: "no"}.get(text, "word" if place < section.words else "")
+    kind = {MET: "ok", NOT_MET: "no"}.get(text, "word" if section.is_text(place) else "")
     attribute = f' class="{kind}"' if kind else ""
     return f"<{tag}{attribute}>{escape(text)}</{tag}>"
 

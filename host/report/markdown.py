@@ -50,7 +50,7 @@ def summary(
 def table(section: Section) -> str:
     """One table; numbers stand to the right, what is not met is bold, long lists of events are cut."""
     rows = section.rows[:EVENTS_SHOWN] if section.title == "Events" else section.rows
-    rules = ["---" if place < section.words else "---:" for place in range(len(section.columns))]
+    rules = ["---" if section.is_text(place) else "---:" for place in range(len(section.columns))]
     lines = [_row([plain(name) for name in section.columns]), _row(rules)]
     lines += [_row([_cell(text) for text in row]) for row in rows]
     left = len(section.rows) - len(rows)

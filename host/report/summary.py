@@ -14,13 +14,17 @@ MET, NOT_MET = "OK", "NOT MET"
 
 @dataclass(frozen=True, slots=True)
 class Section:
-    """One table. Columns after the first `words` ones hold numbers and are set to the right."""
+    """One table. Columns after the first `words` ones, verdicts apart, hold numbers, set to the right."""
 
     title: str
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
     words: int = 1
     note: str = ""
+
+    def is_text(self, place: int) -> bool:
+        """Whether this column is set to the left."""
+        return place < self.words or self.columns[place] == "verdict"
 
 
 ERRORS = (

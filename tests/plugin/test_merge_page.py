@@ -48,6 +48,11 @@ def test_the_verdict_stands_first_and_what_is_missed_is_bold():
     assert fence.content == f"{COMMAND}\n"
 
 
+def test_numbers_stand_to_the_right_and_words_to_the_left():
+    sides = [token.attrGet("style") for token in tokens(run_summary(RESULT)) if token.type == "th_open"]
+    assert sides[:4] == [None, None, "text-align:right", None]
+
+
 def test_other_tables_are_folded_and_long_lists_cut():
     page = run_summary(RESULT)
     shown, _, folded = page.partition("<details>")
