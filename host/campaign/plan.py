@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from host.campaign.swept_value import swept_value
 from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.sim.seeding import LARGEST_SEED
@@ -151,9 +152,14 @@ def parse_values(text: str, option: str) -> tuple[str, ...]:
     values = [part.strip() for part in _split(text)]
     if not all(values):
         raise UserError(f"{option}: a value between the commas is missing; for example 0.05,0.1,0.2")
-    twice = [value for value in values if values.count(value) > 1]
-    if twice:
-        raise UserError(f"{option}: the value {twice[0]} is given twice")
+    known: dict[tuple[type, object], str] = {}
+    for place, one in enumerate(values):
+        meant = swept_value(one)
+        first = known.setdefault((type(meant), meant), one)
+        if len(known) <= place:
+            raise UserError(
+                f"{option}: the value {first} is given twice{'' if one == first else f', as {one}'}"
+            )
     return tuple(values)
 
 

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import tomllib
-
 from host.campaign.plan import Job
+from host.campaign.swept_value import swept_value
 from host.record.result import RunResult, finite_or_none
 from host.score.expectations import flat_figures
 
@@ -43,16 +42,3 @@ def finished(job: Job, result: RunResult) -> dict[str, Value]:
 def failed(job: Job, error: str) -> dict[str, Value]:
     """The row of a run that did not reach its end."""
     return beginning(job) | {"status": FAILED, "error": error, "met": False}
-
-
-def swept_value(text: str) -> Value:
-    """A swept value as a column: numbers and truth values as such, everything else as it was written."""
-    try:
-        value = tomllib.loads(f"value = {text}")["value"]
-    except tomllib.TOMLDecodeError:
-        return text
-    if isinstance(value, bool):
-        return value
-    if isinstance(value, int | float):
-        return float(value)
-    return value if isinstance(value, str) else text

@@ -44,6 +44,8 @@ def test_values_split_at_outer_commas_only() -> None:
     assert parse_values("0.1, 0.2", "") == ("0.1", "0.2")
     assert parse_values("[1,2],[3,4]", "") == ("[1,2]", "[3,4]")
     assert parse_values('[{kind="a,b",at_s=1}]', "") == ('[{kind="a,b",at_s=1}]',)
+    assert parse_values("1,true,'1'", "") == ("1", "true", "'1'"), "no two of them are the same"
+    assert parse_values(f"1,{10**400}", "")[1] == str(10**400)
     assert parse_values("'x,y',z", "") == ("'x,y'", "z")
 
 
@@ -56,6 +58,7 @@ def test_changes_apart() -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [(["gnss.latency_s"], "key=value"), (["a=1,,2"], "missing"), (["a=1,1"], "given twice"),
+     (["a=0.1,0.2,0.10"], "the value 0.1 is given twice, as 0.10"), (["a=1_000,1000.0"], "given twice"),
      (["a=1", "a=2"], "set twice")],
 )  # fmt: skip
 def test_changes_that_cannot_be(changes: list[str], words: str) -> None:

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from host.campaign.plan import Setup
-from host.campaign.row import swept_value
 from host.campaign.statistics import figures, mean_interval, mean_square_bounds, nan_mean, spread
 from host.campaign.summary import SetupSummary, Summary
+from host.campaign.swept_value import swept_value
 from host.campaign.tables import sections
 
 
