@@ -35,9 +35,11 @@ def summary(
     notes: Sequence[str] = (),
     command: str | None = None,
 ) -> str:
-    """A whole summary: heading, the tables `shown`, those to be unfolded, notes, the command."""
+    """A whole summary: heading, tables `shown` with their notes, those to be unfolded, notes, the command."""
     parts = [f"### {plain(title)}: {plain(verdict_text)}"]
-    parts += [table(section) for section in shown if section.rows]
+    for section in shown:
+        parts += [table(section)] if section.rows else []
+        parts += [plain(section.note)] if section.note else []
     if folded:
         inner = "\n\n".join(f"**{plain(section.title)}**\n\n{table(section)}" for section in folded)
         parts.append(f"<details><summary>All figures</summary>\n\n{inner}\n\n</details>")

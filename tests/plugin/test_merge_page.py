@@ -53,6 +53,12 @@ def test_numbers_stand_to_the_right_and_words_to_the_left():
     assert sides[:4] == [None, None, "text-align:right", None]
 
 
+def test_notes_stand_below_their_tables_and_without_them():
+    extra = [Section("x", ("a",), (("1",),), note="note of x"), Section("y", ("a",), (), note="note of y")]
+    page = run_summary(RESULT, None, extra)
+    assert page.index("| 1 |") < page.index("note of x") < page.index("note of y") < page.index("<details>")
+
+
 def test_other_tables_are_folded_and_long_lists_cut():
     page = run_summary(RESULT)
     shown, _, folded = page.partition("<details>")
