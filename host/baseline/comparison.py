@@ -154,12 +154,14 @@ def _unpaired_setups(baseline: Baseline, runs: Sequence[BaselineRun]) -> list[st
 def _unknown_figures(pairs: Mapping[SetupKey, Sequence[Pair]]) -> list[str]:
     """Figures that would be compared, were they in the baseline."""
     reached_ends = [pair for both in pairs.values() for pair in both if not pair[0].figures[DID_NOT_FINISH]]
-    known = {name for old, _ in reached_ends for name in old.figures}
-    now = dict.fromkeys(
-        name for _, run in reached_ends for name in run.figures if run.figures[name] is not None
-    )
+    known = {name for old, _ in reached_ends for name in _computed(old)}
+    now = dict.fromkeys(name for _, run in reached_ends for name in _computed(run))
     lacking = [name for name in now if name not in known]
     return [f"not compared, since the baseline lacks them: {_listed(lacking)}"] if lacking else []
+
+
+def _computed(run: BaselineRun) -> list[str]:
+    return [name for name, value in run.figures.items() if value is not None]
 
 
 def _what_it_has(baseline: Baseline) -> str:

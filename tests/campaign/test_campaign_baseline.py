@@ -205,6 +205,7 @@ def test_figures_that_the_baseline_lacks_are_named(tmp_path: Path) -> None:
     found = compare(tmp_path, runs([1.0]), now)
     assert "the baseline lacks them: overruns" in found.verdict()
     assert found.to_dict()["left_out"]
+    assert "lacks them: yaw_rms_deg" in compare(tmp_path, runs([None]), runs([1.0])).verdict()
     assert not compare(tmp_path, runs([1.0]), runs([1.0])).left_out
 
 
