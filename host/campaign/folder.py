@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from host.campaign.folder_lock import LOCK, FolderLock
 from host.campaign.identity import CAMPAIGN_FORMAT, differences, fingerprint
 from host.campaign.journal import JOURNAL, TIMES, Journal
 from host.record.atomic import write_whole
@@ -23,24 +24,45 @@ OWN_FILES = (MANIFEST, JOURNAL, TIMES, RESULT, SUMMARY, REPORT, CURVES, SHEET, S
 def open_folder(folder: Path, manifest: dict[str, Any], fresh: bool = False) -> Journal:
     """Begin a campaign in a new folder, or go on with the same one; `fresh`: forget an earlier one there.
 
-    Raises UserError for a folder that holds anything else.
+    A campaign that has no run yet gives its folder up to any other. Raises UserError for a folder that holds
+    anything else, and for one that is being written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        if fresh and (folder / MANIFEST).is_file():
-            for name in OWN_FILES:
-                (folder / name).unlink(missing_ok=True)
-        empty = not any(folder.iterdir())
+        if any(path.name != LOCK for path in folder.iterdir()):
+            read_manifest(folder)
+        lock = FolderLock(folder)
     except FileExistsError:
         raise UserError(f"--out {folder}: is a file; name a folder, e.g. --out runs/nightly") from None
     except OSError as error:
         raise UserError(f"--out {folder}: cannot be written: {error.strerror}") from None
+    try:
+        _claim(folder, manifest, fresh)
+        return Journal(folder, fingerprint(manifest), lock)
+    except BaseException:
+        lock.release()
+        raise
+
+
+def _claim(folder: Path, manifest: dict[str, Any], fresh: bool) -> None:
+    """Make a locked folder one of this campaign."""
     path = folder / MANIFEST
-    if not empty:
-        _must_be_the_same(folder, read_manifest(folder), manifest)
-    else:
-        write_whole(path, json.dumps(manifest, indent=1) + "\n", "--out")
-    return Journal(folder, fingerprint(manifest))
+    if path.is_file():
+        there = read_manifest(folder)
+        if not fresh and not (differences(there, manifest) and _has_no_run(folder)):
+            _must_be_the_same(folder, there, manifest)
+            return
+        for name in reversed(OWN_FILES):  # the manifest last: until then the folder is known as ours
+            (folder / name).unlink(missing_ok=True)
+    write_whole(path, json.dumps(manifest, indent=1) + "\n", "--out")
+
+
+def _has_no_run(folder: Path) -> bool:
+    """Whether the journal has no whole line after its first one."""
+    try:
+        return (folder / JOURNAL).read_bytes().count(b"\n") <= 1
+    except FileNotFoundError:
+        return True
 
 
 def read_manifest(folder: Path) -> dict[str, Any]:

@@ -1,8 +1,8 @@
 """The journal of a campaign: one line for each finished run, on disk before the next one is taken in.
 
 `runs.jsonl` begins with a line that names the campaign; each further line is an `Outcome`. A line torn by a
-kill or a full disk is cut off when the journal is opened again: only the runs under way are lost. One process
-writes it at a time. Wall-clock times and tracebacks go to `times.jsonl`: they never repeat.
+kill or a full disk is cut off when the journal is opened again: only the runs under way are lost. Wall-clock
+times and tracebacks go to `times.jsonl`: they never repeat.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Self
 
+from host.campaign.folder_lock import FolderLock
 from host.campaign.identity import CAMPAIGN_FORMAT
 from host.record.errors import UserError
 
@@ -35,18 +36,21 @@ class Outcome:
 
 
 class Journal:
-    """Opens or begins the journal in a campaign's folder. Raises UserError when it is not this campaign's."""
+    """Opens or begins the journal in a campaign's locked folder; closing it lets go of the lock.
 
-    def __init__(self, folder: Path, campaign: str) -> None:
+    Raises UserError when it is not this campaign's.
+    """
+
+    def __init__(self, folder: Path, campaign: str, lock: FolderLock) -> None:
         self.path = folder / JOURNAL
         self.outcomes: dict[str, Outcome] = {}
         self._campaign = campaign
+        self._lock = lock
         try:
             self._file = os.open(self.path, os.O_RDWR | os.O_CREAT, 0o666)
         except OSError as error:
             raise UserError(f"--out {folder}: cannot be written: {error.strerror}") from None
         try:
-            self._lock(folder)
             self._length = self._read()
             os.ftruncate(self._file, self._length)
             self._times = (folder / TIMES).open("a", encoding="utf-8")
@@ -73,6 +77,7 @@ class Journal:
         """Let go of the files."""
         os.close(self._file)
         self._times.close()
+        self._lock.release()
 
     def __enter__(self) -> Self:
         return self
@@ -119,14 +124,3 @@ class Journal:
             )
         if header.get("campaign") != self._campaign:
             raise UserError(f"{self.path}: holds another campaign; name a new folder, e.g. --out runs/second")
-
-    def _lock(self, folder: Path) -> None:
-        """A lock that ends with its process, or when it closes any descriptor of the file."""
-        try:
-            import fcntl
-        except ImportError:  # not a POSIX system
-            return
-        try:
-            fcntl.lockf(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            raise UserError(f"--out {folder}: another campaign is writing there; wait for it") from None

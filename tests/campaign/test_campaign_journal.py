@@ -7,12 +7,13 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from host.campaign.folder import open_folder
-from host.campaign.journal import JOURNAL, Journal, Outcome
+from host.campaign.journal import JOURNAL, Outcome
 from host.record.errors import UserError
 
 MANIFEST = {"format": "navtwin-campaign-1", "board": "b", "sources": "abc"}
@@ -73,9 +74,18 @@ def test_full_disk_keeps_finished_runs_and_leaves_no_half_line(
 
 
 def test_another_campaign_names_what_differs(tmp_path: Path) -> None:
-    open_folder(tmp_path / "c", MANIFEST).close()
+    with open_folder(tmp_path / "c", MANIFEST) as journal:
+        journal.add(outcome(1))
     with pytest.raises(UserError, match="differs in seeds, sources"):
         open_folder(tmp_path / "c", {**MANIFEST, "sources": "other", "seeds": "1-2"})
+
+
+def test_folder_without_a_run_is_free_for_another_campaign(tmp_path: Path) -> None:
+    open_folder(tmp_path / "c", MANIFEST).close()
+    with open_folder(tmp_path / "c", {**MANIFEST, "sources": "other"}) as journal:
+        journal.add(outcome(1))
+    with open_folder(tmp_path / "c", {**MANIFEST, "sources": "other"}) as journal:
+        assert list(journal.outcomes) == ["seed=1"]
 
 
 @pytest.mark.parametrize("name", ["campaign.json", JOURNAL])
@@ -104,24 +114,58 @@ def test_spoilt_line_in_the_middle_is_told(tmp_path: Path) -> None:
         open_folder(tmp_path / "c", MANIFEST)
 
 
-def test_two_processes_do_not_write_one_journal(tmp_path: Path) -> None:
+@pytest.fixture
+def written_by_another(tmp_path: Path) -> Iterator[tuple[Path, subprocess.Popen[str]]]:
+    """A folder, and a process that has put one run there and holds it open."""
     folder = tmp_path / "c"
-    program = (
-        "import sys; from pathlib import Path; from host.campaign.journal import Journal\n"
-        f"journal = Journal(Path({str(folder)!r}), 'x'); print('open', flush=True); sys.stdin.read()"
-    )
-    folder.mkdir()
+    program = f"""if True:
+        import itertools, sys
+        from pathlib import Path
+        from host.campaign.folder import open_folder
+        from host.campaign.journal import Outcome
+        journal = open_folder(Path({str(folder)!r}), {MANIFEST!r})
+        for line in itertools.chain(["begun"], sys.stdin):
+            journal.add(Outcome(line.strip(), 0, {{"run": 0}}))
+            print("added", flush=True)
+    """
     other = subprocess.Popen(
         [sys.executable, "-c", program], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     )
     try:
         assert other.stdout is not None
-        assert other.stdout.readline() == "open\n"
-        with pytest.raises(UserError, match="another campaign is writing"):
-            Journal(folder, "x")
-        other.kill()
-        other.wait()
-        Journal(folder, "x").close()
+        assert other.stdout.readline() == "added\n"
+        yield folder, other
     finally:
         other.kill()
-        other.wait()
+        other.communicate()
+
+
+@pytest.mark.parametrize("fresh", [False, True])
+def test_folder_that_is_being_written_is_left_alone(
+    written_by_another: tuple[Path, subprocess.Popen[str]], fresh: bool
+) -> None:
+    folder, other = written_by_another
+    before = (folder / JOURNAL).read_bytes()
+    for _ in range(2):  # a refused attempt must not open the way for the next one
+        with pytest.raises(UserError, match="another campaign is writing"):
+            open_folder(folder, MANIFEST, fresh)
+    assert other.stdin is not None
+    assert other.stdout is not None
+    other.stdin.write("later\n")
+    other.stdin.flush()
+    assert other.stdout.readline() == "added\n"
+    now = (folder / JOURNAL).read_bytes()
+    assert now.startswith(before)
+    assert b"later" in now
+
+
+def test_folder_of_a_killed_process_is_free(
+    written_by_another: tuple[Path, subprocess.Popen[str]],
+) -> None:
+    folder, other = written_by_another
+    other.kill()
+    other.wait()
+    with open_folder(folder, MANIFEST) as journal:
+        assert list(journal.outcomes) == ["begun"]
+    with open_folder(folder, MANIFEST, fresh=True) as journal:
+        assert not journal.outcomes
