@@ -70,7 +70,9 @@ def _sample_clock_error(board: Board, part: str) -> Quantity:
     return Quantity(key, "ppm", ("-20000.0", "-10000.0", "0.0", "10000.0", "20000.0"))
 
 
-def _gnss_latency(_board: Board, _part: str) -> Quantity:
+def _gnss_latency(board: Board, _part: str) -> Quantity:
+    if not any(chip.world == "gnss" for chip in board.chips.values()):
+        raise LookupError(f"{board.name} has no GNSS receiver")
     return Quantity("gnss.latency_s", "s", ("0.02", "0.08", "0.15", "0.3", "0.5"))
 
 

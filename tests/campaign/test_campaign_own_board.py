@@ -1,0 +1,36 @@
+"""Campaigns, sweeps and fault sheets of a board of one's own: no receiver, an attitude only."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from campaign_rig import navtwin
+
+from host.campaign.quantities import quantity
+from host.new_board.writing import write_board
+from host.record.errors import UserError
+
+
+@pytest.fixture(scope="module")
+def board(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder of the skeleton's board."""
+    folder = tmp_path_factory.mktemp("own")
+    write_board("sweep_unit", folder)
+    return folder / "sweep_unit"
+
+
+def test_sweep_of_a_receiver_that_is_not_there_is_one_message(board: Path, tmp_path: Path) -> None:
+    result = navtwin("sweep", board, "-k", "gnss-latency", "--seeds", "1", "--out", tmp_path / "s", "-q")
+    assert result.exit_code == 2
+    assert "has no GNSS receiver" in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert not (tmp_path / "s").exists()
+
+
+def test_sample_clock_error_of_the_skeleton_can_be_swept(board: Path) -> None:
+    found = quantity(str(board), "sample-clock-error")
+    assert found is not None
+    assert found.key == "board.chips.U2.parameters.clock_error_ppm"
+    with pytest.raises(UserError, match="no chip U9"):
+        quantity(str(board), "sample-clock-error:U9")
