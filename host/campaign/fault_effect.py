@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -17,8 +18,17 @@ from host.record.run_data import NAVIGATING
 Floats = NDArray[np.float64]
 
 GAP_S = 0.5
-EXCESS_M = 5.0
-"""A solution is good when its horizontal error is no more than this above that of the run without fault."""
+EXCESS = (5.0, 1.0, 3.0)
+"""Of position m, velocity m/s, attitude °: a solution is good when none of its errors is more than this above
+that of the run without fault."""
+KNOWN_BY = (
+    ("latitude_deg", "longitude_deg", "height_m"),
+    ("v_north_mps", "v_east_mps", "v_down_mps"),
+    ("yaw_deg", "pitch_deg", "roll_deg"),
+)
+"""A board that does not know one of the three sends zeros: then its error says nothing."""
+TOLD_WITHIN_S = 10.0
+"""So long after its end a fault may be told of; later words are about something else."""
 SAME_EVENT_S = 0.5
 SETTLED_S = 5.0
 """So long before the end of the run the last bad solution must lie."""
@@ -34,13 +44,16 @@ class Effect:
     detected_after_s: float | None
     said: str
     """The board's first word about it."""
-    worst_error_m: float | None
-    """Largest horizontal error of a navigation solution from the strike on."""
-    usual_error_m: float | None
+    worst: tuple[float | None, float | None, float | None]
+    """Largest horizontal m, velocity m/s, attitude ° error of a navigation solution from the strike on; None:
+    the board has none."""
+    usual: tuple[float | None, float | None, float | None]
     """The same without the fault."""
     without_solution_s: float
     degraded_s: float
     recovered_after_s: float | None
+    observed: bool = True
+    """Whether anything that is seen of the board differs from the run without the fault."""
     error: str = ""
     """Set when the run did not reach its end."""
 
@@ -51,22 +64,32 @@ class Effect:
             return "run failed"
         if not self.fired:
             return "did not strike"
+        if not self.observed:
+            return "not observed"
         if self.recovered_after_s is None:
             return "not recovered"
         return "recovered" if self.detected_after_s is not None else "not told"
 
     @property
     def ok(self) -> bool:
-        """The fault struck and was survived."""
-        return self.verdict in ("recovered", "not told")
+        """The fault struck and did no lasting harm that can be seen."""
+        return self.verdict in ("recovered", "not told", "not observed")
 
 
 def fault_course(result: RunResult) -> dict[str, Any]:
     """What is kept of a run: errors and modes of its solutions, and what the board said."""
     assert result.data is not None
     solution = result.data.solution
-    error = np.hypot(solution.column("error_north_m"), solution.column("error_east_m"))
-    columns = np.stack((solution.column("t_s"), error, solution.column("mode")))
+    named = {name: solution.column(name) for name in solution.columns}
+    errors = (
+        np.hypot(named["error_north_m"], named["error_east_m"]),
+        _norm(named, "error_v_north_mps", "error_v_east_mps", "error_v_down_mps"),
+        np.abs([named[f"error_{angle}_deg"] for angle in ("roll", "pitch", "yaw")]).max(axis=0),
+    )
+    for values, names in zip(errors, KNOWN_BY, strict=True):
+        if not any(np.any(np.nan_to_num(named[name])) for name in names):
+            values[:] = np.nan
+    columns = np.stack((named["t_s"], named["mode"], *errors))
     return {
         "float64": base64.b64encode(columns.astype("<f8").tobytes()).decode(),
         "events": [[event.at_s, event.source, event.text] for event in result.events],
@@ -77,45 +100,67 @@ def fault_course(result: RunResult) -> dict[str, Any]:
 
 def effect(strike: Strike, series: Mapping[str, Any], usual: Mapping[str, Any]) -> Effect:
     """The effect of a fault from the courses of the run with it and of the run without."""
-    t, error, mode = _columns(series)
-    usual_t, usual_error, usual_mode = _columns(usual)
-    navigating = (mode >= NAVIGATING) & np.isfinite(error)
-    after = t >= strike.at_s
-    usual_after = (usual_t >= strike.at_s) & (usual_mode >= NAVIGATING)
+    t, mode, errors = _columns(series)
+    usual_t, usual_mode, usual_errors = _columns(usual)
+    usual_navigating = usual_mode >= NAVIGATING
+    known = np.isfinite(usual_errors[:, usual_navigating]).any(axis=1)
+    navigating = (mode >= NAVIGATING) & np.isfinite(errors[known]).all(axis=0) & known.any()
+    after, end_s = t >= strike.at_s, float(series["duration_s"])
+    good = navigating.copy()
+    for one in np.flatnonzero(known):
+        there = usual_navigating & np.isfinite(usual_errors[one])
+        good &= errors[one] <= np.interp(t, usual_t[there], usual_errors[one][there]) + EXCESS[one]
     told = _first_word(strike, series["events"], usual["events"])
     return Effect(
         strike=strike,
         fired=sum(series["fired"]),
         detected_after_s=None if told is None else told[0] - strike.at_s,
         said="" if told is None else told[1],
-        worst_error_m=_largest(error[after & navigating]),
-        usual_error_m=_largest(usual_error[usual_after]),
-        without_solution_s=_without(t, navigating, strike.at_s, float(series["duration_s"])),
+        worst=_largest(errors[:, after & (mode >= NAVIGATING)]),
+        usual=_largest(usual_errors[:, (usual_t >= strike.at_s) & usual_navigating]),
+        without_solution_s=_without(t, navigating, strike.at_s, end_s),
         degraded_s=float(np.sum(np.diff(t, append=t[-1:])[after & (mode == DEGRADED)])),
-        recovered_after_s=_recovered(
-            strike, t, error, navigating, (usual_t, usual_error), float(series["duration_s"])
-        ),
+        recovered_after_s=_recovered(strike, t, good, end_s),
+        observed=told is not None or series["float64"] != usual["float64"],
     )
 
 
+def _norm(named: Mapping[str, Floats], *names: str) -> Floats:
+    length: Floats = np.sqrt(sum(named[name] ** 2 for name in names))
+    return length
+
+
 def _columns(series: Mapping[str, Any]) -> tuple[Floats, Floats, Floats]:
-    flat = np.frombuffer(base64.b64decode(series["float64"]), dtype="<f8").reshape(3, -1)
-    return flat[0], flat[1], flat[2]
+    """Times, modes, and a row each of position, velocity and attitude errors."""
+    flat = np.frombuffer(base64.b64decode(series["float64"]), dtype="<f8").reshape(5, -1)
+    return flat[0], flat[1], flat[2:]
 
 
-def _largest(values: Floats) -> float | None:
-    return float(values.max()) if len(values) else None
+def _largest(errors: Floats) -> tuple[float | None, float | None, float | None]:
+    position, velocity, attitude = (
+        float(np.nanmax(row)) if np.isfinite(row).any() else None for row in errors
+    )
+    return position, velocity, attitude
 
 
 def _first_word(strike: Strike, events: list[list[Any]], usual: list[list[Any]]) -> tuple[float, str] | None:
-    """The board's first event after the strike that the run without fault does not have there."""
+    """The board's first event while the fault can be told of that the run without does not have there."""
+    latest = strike.at_s + (strike.duration_s or 0.0) + TOLD_WITHIN_S
     for at_s, source, text in events:
-        if source != "board" or at_s < strike.at_s:
+        if source != "board" or not strike.at_s <= at_s <= latest:
             continue
-        expected = any(other[1:] == [source, text] and abs(other[0] - at_s) < SAME_EVENT_S for other in usual)
+        expected = any(
+            other[1] == source and _words(other[2]) == _words(text) and abs(other[0] - at_s) < SAME_EVENT_S
+            for other in usual
+        )
         if not expected:
             return at_s, text
     return None
+
+
+def _words(text: str) -> str:
+    """Two events that differ in a figure only are the same event."""
+    return re.sub(r"\d+", "0", text)
 
 
 def _without(t: Floats, navigating: NDArray[np.bool_], at_s: float, end_s: float) -> float:
@@ -125,17 +170,8 @@ def _without(t: Floats, navigating: NDArray[np.bool_], at_s: float, end_s: float
     return float(gaps[gaps > GAP_S].sum())
 
 
-def _recovered(
-    strike: Strike,
-    t: Floats,
-    error: Floats,
-    navigating: NDArray[np.bool_],
-    usual: tuple[Floats, Floats],
-    end_s: float,
-) -> float | None:
+def _recovered(strike: Strike, t: Floats, good: NDArray[np.bool_], end_s: float) -> float | None:
     """Until the solutions stay good and come without a gap; None when that never happens."""
-    usual_error = np.interp(t, usual[0], np.nan_to_num(usual[1], nan=0.0)) if len(usual[0]) else 0.0
-    good = navigating & (error <= usual_error + EXCESS_M)
     after = t >= strike.at_s
     good_t = np.concatenate(([strike.at_s], t[after & good], [end_s]))
     gap_ends = good_t[1:][np.diff(good_t) > GAP_S]

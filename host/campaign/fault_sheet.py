@@ -20,9 +20,12 @@ from host.report.summary import Section
 COLUMNS = (
     *("fault", "target", "at_s", "for_s", "parameters", "fired", "detected_after_s", "said"),
     *("worst_error_m", "usual_error_m", "without_solution_s", "degraded_s", "recovered_after_s"),
+    *("worst_velocity_error_mps", "usual_velocity_error_mps"),
+    *("worst_attitude_error_deg", "usual_attitude_error_deg"),
     *("verdict", "error"),
 )
 
+NOTHING = (None, None, None)
 WORDS_SHOWN = 36
 
 
@@ -36,7 +39,9 @@ def effects(finished: Finished, strikes: Sequence[Strike]) -> list[Effect]:
         if run.row["status"] == FINISHED:
             made.append(effect(strike, run.series, usual.series))
         else:
-            nothing = Effect(strike, 0, None, "", None, None, 0.0, 0.0, None, str(run.row["error"]))
+            nothing = Effect(
+                strike, 0, None, "", NOTHING, NOTHING, 0.0, 0.0, None, error=str(run.row["error"])
+            )
             made.append(nothing)
     return made
 
@@ -44,8 +49,15 @@ def effects(finished: Finished, strikes: Sequence[Strike]) -> list[Effect]:
 def verdict(found: Sequence[Effect]) -> str:
     """One line."""
     told = sum(one.detected_after_s is not None for one in found)
-    survived = sum(one.ok for one in found)
-    return f"{survived} of {len(found)} faults struck and were recovered from; the board told of {told}"
+    survived = sum(one.verdict in ("recovered", "not told") for one in found)
+    text = f"{survived} of {len(found)} faults struck and were recovered from; the board told of {told}"
+    for name, words in (
+        ("not told", "recovered from without a word"),
+        ("not observed", "without an effect to be seen"),
+    ):
+        count = sum(one.verdict == name for one in found)
+        text += f"; {count} {words}" if count else ""
+    return text
 
 
 def section(found: Sequence[Effect]) -> Section:
@@ -58,8 +70,10 @@ def section(found: Sequence[Effect]) -> Section:
             one.verdict,
             number(one.fired),
             number(one.detected_after_s),
-            number(one.worst_error_m),
-            number(one.usual_error_m),
+            number(one.worst[0]),
+            number(one.usual[0]),
+            number(one.worst[2]),
+            number(one.usual[2]),
             number(one.without_solution_s),
             number(one.recovered_after_s),
         )
@@ -67,11 +81,13 @@ def section(found: Sequence[Effect]) -> Section:
     )
     columns = (
         *("fault", "target", "the board's first word", "verdict", "fired", "detected after, s"),
-        *("worst error, m", "without fault, m", "no solution, s", "recovered after, s"),
+        *("worst error, m", "without fault, m", "worst error, °", "without fault, °"),
+        *("no solution, s", "recovered after, s"),
     )
     note = (
-        "errors: largest horizontal error of a navigation solution from the strike to the end of the run;"
-        " recovered: solutions without a gap, no more than 5 m worse than without the fault"
+        "errors: largest horizontal and attitude error of a navigation solution from the strike to the end of"
+        " the run; recovered: solutions without a gap, no more than 5 m, 1 m/s and 3° worse than without the"
+        " fault; not observed: nothing that is seen of the board changed, so nothing is known of its recovery"
     )
     return Section("Faults", columns, rows, words=4, note=note)
 
@@ -93,8 +109,8 @@ def sheet_csv(found: Sequence[Effect]) -> str:
         given = (strike.kind, strike.target, strike.at_s, strike.duration_s, parameters)
         told = (one.fired, _rounded(one.detected_after_s), one.said)
         measured = (
-            *(one.worst_error_m, one.usual_error_m, one.without_solution_s, one.degraded_s),
-            one.recovered_after_s,
+            *(one.worst[0], one.usual[0], one.without_solution_s, one.degraded_s, one.recovered_after_s),
+            *(one.worst[1], one.usual[1], one.worst[2], one.usual[2]),
         )
         writer.writerow([*given, *told, *map(_rounded, measured), one.verdict, one.error])
     return text.getvalue()

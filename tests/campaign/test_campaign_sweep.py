@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -73,14 +74,18 @@ def test_fault_sheet_of_some_faults(tmp_path: Path) -> None:
     out = tmp_path / "f"
     asked = ("--only", "uart-cut,chip-off,cpu-reset", "--at", 40, "--for", 4, "--out", out)
     result = navtwin("faults", "car_mems", "-s", REST, *asked)
-    assert result.exit_code == 0, result.output
+    assert result.exit_code == 1, result.output
     sheet = {(row["fault"], row["target"]): row for row in read_csv(out / "faults.csv")}
     assert list(sheet) == [("chip-off", "U2"), ("chip-off", "U3"), ("uart-cut", "gnss"), ("cpu-reset", "mcu")]
-    assert all(int(row["fired"]) > 0 and row["verdict"] == "recovered" for row in sheet.values())
+    assert all(int(row["fired"]) > 0 for row in sheet.values())
+    silent = sheet.pop(("chip-off", "U2"))
+    assert silent["verdict"] == "not recovered", "at rest nothing shows the heading that was lost meanwhile"
+    assert float(silent["worst_attitude_error_deg"]) > float(silent["usual_attitude_error_deg"]) + 3
+    assert all(row["verdict"] == "recovered" for row in sheet.values())
     assert sheet["uart-cut", "gnss"]["said"].startswith("GNSS lost")
     assert 1 < float(sheet["uart-cut", "gnss"]["detected_after_s"]) < 4
     assert float(sheet["cpu-reset", "mcu"]["without_solution_s"]) > 2
-    assert "4 of 4 faults struck" in (out / "faults.html").read_text()
+    assert "3 of 4 faults struck" in (out / "faults.html").read_text()
 
 
 def test_faults_that_cannot_be(tmp_path: Path) -> None:
@@ -108,6 +113,7 @@ def made_up(
     rows[:, SOLUTION.columns.index("mode")] = 3
     east = SOLUTION.columns.index("error_east_m")
     rows[:, east] = 1.0
+    rows[:, SOLUTION.columns.index("latitude_deg")] = 30.0
     if bad is not None:
         rows[(t >= bad[0]) & (t < bad[1]), east] = 20.0
     if gap is not None:
@@ -133,7 +139,7 @@ def seen(result: RunResult) -> Effect:
 def test_effect_is_measured_from_the_strike() -> None:
     found = seen(made_up((104.0, 112.0)))
     assert (found.fired, found.detected_after_s, found.said) == (3, 2.5, "GNSS lost")
-    assert (found.worst_error_m, found.usual_error_m) == (20.0, 1.0)
+    assert (found.worst, found.usual) == ((20.0, None, None), (1.0, None, None))
     assert found.recovered_after_s is not None
     assert abs(found.recovered_after_s - 12.0) < 0.11
     assert (found.without_solution_s, found.verdict) == (0.0, "recovered")
@@ -149,8 +155,44 @@ def test_gap_counts_until_its_end() -> None:
 def test_verdicts() -> None:
     assert seen(made_up((104.0, 300.0))).verdict == "not recovered"
     assert seen(made_up(None, (180.0, 300.0))).verdict == "not recovered"
-    assert seen(made_up(None, told=False)).verdict == "not told"
+    assert seen(made_up((104.0, 112.0), told=False)).verdict == "not told"
+    unseen = seen(made_up(None, told=False))
+    assert (unseen.verdict, unseen.ok) == ("not observed", True)
+    assert verdict([unseen]).startswith("0 of 1 faults struck and were recovered from")
+    assert verdict([unseen]).endswith("1 without an effect to be seen")
     course = fault_course(made_up(None)) | {"fired": [0]}
     never = effect(STRIKE, json.loads(json.dumps(course)), fault_course(made_up(None)))
     assert (never.verdict, never.ok) == ("did not strike", False)
     assert verdict([never]) == "0 of 1 faults struck and were recovered from; the board told of 0"
+
+
+def with_events(*more: Event) -> RunResult:
+    quiet = made_up((104.0, 112.0), told=False)
+    return replace(quiet, events=(*quiet.events, *more))
+
+
+def test_only_words_about_the_fault_count_as_told() -> None:
+    assert seen(with_events(Event(190.0, "board", "low battery"))).verdict == "not told"
+    usual = replace(made_up(None, told=False), events=(Event(105.0, "board", "17 frames lost"),))
+    there = fault_course(replace(with_events(), events=(Event(105.1, "board", "18 frames lost"),)))
+    assert effect(STRIKE, there, fault_course(usual)).verdict == "not told"
+
+
+def test_lost_attitude_of_a_board_without_position_is_not_recovered() -> None:
+    """Zeros stand for a position that the board does not know: its error of 5,000 km says nothing."""
+
+    def tilted(lost_from_s: float) -> dict[str, object]:
+        result = made_up(None)
+        assert result.data is not None
+        rows = np.stack([result.data.solution.column(name) for name in SOLUTION.columns], axis=1)
+        place = SOLUTION.columns.index
+        rows[:, place("latitude_deg")] = 0.0
+        rows[:, place("error_east_m")] = 5e6
+        rows[:, place("roll_deg")] = 1.0
+        rows[:, place("error_roll_deg")] = np.where(rows[:, 0] < lost_from_s, 0.5, 40.0)
+        solution = DecimatedSeries(SOLUTION.columns, 4096)
+        solution.add(rows)
+        return fault_course(replace(result, data=replace(result.data, solution=solution)))
+
+    lost = effect(STRIKE, tilted(105.0), tilted(1e9))
+    assert (lost.verdict, lost.worst, lost.usual) == ("not recovered", (None, None, 40.0), (None, None, 0.5))
