@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from host.campaign.summary import Summary
-from host.campaign.tables import SIDE_BY_SIDE
+from host.campaign.tables import SIDE_BY_SIDE, shown
 from host.report.charts import FUSED, GNSS, TRUTH, Chart, Trace, dots, on_row, stacked
 
-CURVES = (
-    *("position_horizontal_rms_m", "velocity_rms_mps", "roll_rms_deg", "pitch_rms_deg", "yaw_rms_deg"),
-    "deadline_misses",
-)
+NOT_DRAWN = ("nees_mean", "overruns")
+CURVES = {name: label for name, label in SIDE_BY_SIDE.items() if name not in NOT_DRAWN}
 
 
 def error_curves(summary: Summary) -> list[Chart]:
@@ -18,7 +16,8 @@ def error_curves(summary: Summary) -> list[Chart]:
     if len(swept) != 1 or len(summary.setups) < 2:
         return []
     key = swept[0][0]
-    names = [name for name in CURVES if all(name in one.figures for one in summary.setups)]
+    labels = shown(summary.setups, CURVES)
+    names = [name for name in labels if all(name in one.figures for one in summary.setups)]
     if not names:
         return []
     texts = [one.setup.swept[0][1] for one in summary.setups]
@@ -36,7 +35,7 @@ def error_curves(summary: Summary) -> list[Chart]:
     numeric = [value for value in x if isinstance(value, float)]
     span = [min(numeric), max(numeric)] if len(numeric) == len(x) else [-0.5, len(x) - 0.5]
     margin = 0.04 * (span[1] - span[0])
-    layout = stacked([SIDE_BY_SIDE[name] for name in names], [span[0] - margin, span[1] + margin])
+    layout = stacked([labels[name] for name in names], [span[0] - margin, span[1] + margin])
     layout["xaxis"]["title"]["text"] = key
     text = "Mean over the seeds, with the 95 % interval of the mean."
     return [Chart("curves", f"Errors against {key}", text, traces, layout)]

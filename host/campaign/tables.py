@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from host.campaign.statistics import Spread, spread
 from host.campaign.summary import SetupSummary, Summary
@@ -59,12 +59,26 @@ def verdict(summary: Summary) -> str:
 
 def figure_table(one: SetupSummary) -> Section:
     """The spread of the main figures of one set-up."""
-    labels = MAIN | {name: name for name in one.expectations if name not in MAIN}
-    rows = tuple(
-        (label, *_spread_cells(one.figures[name])) for name, label in labels.items() if name in one.figures
-    )
+    labels = shown((one,), MAIN)
+    rows = tuple((label, *_spread_cells(one.figures[name])) for name, label in labels.items())
     columns = ("figure", "mean", "95 % interval of the mean", "median", "95 %", "least", "largest", "runs")
     return Section(f"Over {one.runs} runs: {one.setup.label}", columns, rows)
+
+
+def shown(setups: Sequence[SetupSummary], usual: Mapping[str, str]) -> dict[str, str]:
+    """The usual figures that there are, by name, with their labels; and those that expectations are set for.
+
+    Where nothing is scored beside GNSS, the figure over all solutions (`continuous_…`) stands in.
+    """
+    there = {name for one in setups for name in one.figures}
+    labels = {}
+    for name, label in usual.items():
+        if name in there:
+            labels[name] = label
+        elif f"continuous_{name}" in there:
+            labels[f"continuous_{name}"] = label
+    expected = [name for one in setups for name in one.expectations if name in there]
+    return labels | {name: name for name in expected if name not in labels}
 
 
 def interval(value: Spread) -> str:
@@ -87,17 +101,17 @@ def _expectations(summary: Summary) -> Section:
 
 
 def _comparison(summary: Summary) -> Section:
-    names = [name for name in SIDE_BY_SIDE if any(name in one.figures for one in summary.setups)]
+    labels = shown(summary.setups, SIDE_BY_SIDE)
     keys = [key for key, _ in summary.setups[0].setup.swept]
     rows = tuple(
         (
             one.setup.profile,
             *(value for _, value in one.setup.swept),
-            *(count(one.runs), *(_mean(one.figures.get(name)) for name in names)),
+            *(count(one.runs), *(_mean(one.figures.get(name)) for name in labels)),
         )
         for one in summary.setups
     )
-    columns = ("profile", *keys, "runs", *(SIDE_BY_SIDE[name] for name in names))
+    columns = ("profile", *keys, "runs", *labels.values())
     note = "RMS errors, deadline misses and lost requests: mean, ± half of its 95 % interval"
     return Section("Set-ups side by side", columns, rows, words=1 + len(keys), note=note)
 
@@ -105,15 +119,16 @@ def _comparison(summary: Summary) -> Section:
 def _changes(summary: Summary) -> Section:
     """What each set-up changes against the first one of its profile, seed by seed."""
     keys = [key for key, _ in summary.setups[0].setup.swept]
+    labels = shown(summary.setups, SIDE_BY_SIDE)
     rows = []
     for one in summary.setups:
         first = next(other for other in summary.setups if other.setup.profile == one.setup.profile)
         if first is one:
             continue
         values = [value for _, value in one.setup.swept]
-        cells = [_paired(first.by_seed(name), one.by_seed(name)) for name in SIDE_BY_SIDE]
+        cells = [_paired(first.by_seed(name), one.by_seed(name)) for name in labels]
         rows.append((one.setup.profile, *values, *cells))
-    columns = ("profile", *keys, *SIDE_BY_SIDE.values())
+    columns = ("profile", *keys, *labels.values())
     note = "paired over the seeds, against the first row of the same profile; ± half of the 95 % interval"
     return Section("Differences", columns, tuple(rows), words=1 + len(keys), note=note)
 

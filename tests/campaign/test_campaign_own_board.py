@@ -34,3 +34,14 @@ def test_sample_clock_error_of_the_skeleton_can_be_swept(board: Path) -> None:
     assert found.key == "board.chips.U2.parameters.clock_error_ppm"
     with pytest.raises(UserError, match="no chip U9"):
         quantity(str(board), "sample-clock-error:U9")
+
+
+def test_figures_of_an_attitude_unit_are_in_its_reports(board: Path, tmp_path: Path) -> None:
+    result = navtwin(
+        *("campaign", board, "--set", "duration_s=90", "--set", "expect={cpu.mcu.load=0.9}"),
+        *("--set", "gnss.latency_s=0.1,0.2", "--seeds", "1", "-j", 1, "--out", tmp_path / "c"),
+    )
+    assert "roll, °" in result.output, result.output
+    page = (tmp_path / "c" / "report.html").read_text()
+    assert page.count("cpu.mcu.load") >= 4, "expectations, side by side, differences, spread"
+    assert '"roll, \\u00b0"' in page or '"roll, °"' in page
