@@ -10,10 +10,12 @@ from __future__ import annotations
 import asyncio
 import importlib.util
 import logging
+import socket
 from collections.abc import Iterable, Iterator
 from concurrent.futures import CancelledError
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 from boards.places import board_folder
 from host.campaign.identity import sources_digest
@@ -25,7 +27,7 @@ from host.record.errors import UserError
 
 PATIENCE_S = 5
 EXAMPLE = "for example --scheduler tcp://192.168.1.10:8786"
-SCHEMES = ("tcp://", "tls://", "ws://", "wss://", "ucx://")
+SCHEMES = ("tcp", "tls", "ws", "wss")
 
 
 class Cluster:
@@ -34,8 +36,7 @@ class Cluster:
     def __init__(self, address: str, reduce: Reduce) -> None:
         if importlib.util.find_spec("distributed") is None:
             raise UserError("--scheduler needs Dask, which is not installed: pip install 'navtwin[dask]'")
-        if not address.startswith(SCHEMES):
-            raise UserError(f"--scheduler {address}: must be the address of a Dask scheduler; {EXAMPLE}")
+        self._place = _host_and_port(address)
         self._address = address
         self._reduce = reduce
 
@@ -61,6 +62,7 @@ class Cluster:
     def _client(self) -> Any:
         from distributed import Client
 
+        self._must_answer()
         logging.getLogger("distributed").setLevel(logging.CRITICAL)
         try:
             client = Client(self._address, timeout=PATIENCE_S, set_as_default=False)
@@ -73,6 +75,24 @@ class Cluster:
             client.close()
             raise UserError(f"--scheduler {self._address}: has no workers; start some: dask worker ADDRESS")
         return client
+
+    def _must_answer(self) -> None:
+        """Before Dask: a client of its that never came up complains for long when it is collected."""
+        try:
+            socket.create_connection(self._place, timeout=PATIENCE_S).close()
+        except OSError as error:
+            raise UserError(
+                f"--scheduler {self._address}: cannot be reached within {PATIENCE_S} s"
+                f" ({type(error).__name__}); is it running? {EXAMPLE}"
+            ) from None
+        if self._address.startswith(("tls://", "wss://")):
+            from distributed.security import Security
+
+            if Security().get_connection_args("client")["ssl_context"] is None:
+                raise UserError(
+                    f"--scheduler {self._address}: needs certificates, and Dask's configuration names none"
+                    " (distributed.comm.tls.ca-file, .client.cert, .client.key)"
+                )
 
     def _must_have_our_sources(self, client: Any, board: Path) -> None:
         ours = sources_digest(board)
@@ -100,3 +120,14 @@ class Cluster:
         error = future.exception()
         row = failed(job, f"the cluster gave the run up: {type(error).__name__}")
         return Outcome(job.key, job.number, row, times={"traceback": str(error)}, again=True)
+
+
+def _host_and_port(address: str) -> tuple[str, int]:
+    try:
+        parts = urlsplit(address)
+        host, port = parts.hostname, parts.port
+    except ValueError:
+        host = port = None
+    if not host or not port or parts.scheme not in SCHEMES:
+        raise UserError(f"--scheduler {address}: must be the address of a Dask scheduler; {EXAMPLE}")
+    return host, port

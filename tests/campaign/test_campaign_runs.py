@@ -6,6 +6,7 @@ import errno
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -277,7 +278,10 @@ def test_baseline_of_a_campaign_gates_campaigns_and_runs(whole: Path, tmp_path: 
         (("--workers", "0"), "--workers 0"),
         (("--pass-share", "120%"), "--pass-share 120%"),
         (("--baseline", "missing.json"), "no such file"),
-        (("--scheduler", "localhost"), "address of a Dask scheduler"),
+        *(
+            (("--scheduler", place), "address of a Dask scheduler")
+            for place in ("localhost", "tcp://", "tcp://localhost:abc", "tcp://[::1", "ucx://localhost:8786")
+        ),
         (("--json", "no/such/folder.json"), "does not exist"),
     ],
 )
@@ -297,6 +301,14 @@ def test_scheduler_out_of_reach_is_one_message(tmp_path: Path, monkeypatch: pyte
     result = campaign(tmp_path / "c", "--scheduler", "tcp://127.0.0.1:9")
     assert result.exit_code == 2
     assert result.stderr.startswith("navtwin: --scheduler tcp://127.0.0.1:9: cannot be reached")
+
+
+def test_tls_without_certificates_is_one_message(tmp_path: Path) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        place = f"tls://127.0.0.1:{listening.getsockname()[1]}"
+        result = campaign(tmp_path / "c", "--scheduler", place)
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"navtwin: --scheduler {place}: needs certificates")
 
 
 def test_missed_expectations_end_with_1_and_a_share_may_be_enough(tmp_path: Path) -> None:
