@@ -52,8 +52,9 @@ class Effect:
     without_solution_s: float
     degraded_s: float
     recovered_after_s: float | None
-    observed: bool = True
-    """Whether anything that is seen of the board differs from the run without the fault."""
+    """Until solutions were good again; where no solution differed, until the board's last word about it."""
+    solutions_differ: bool = True
+    """Whether any solution is another than in the run without the fault."""
     error: str = ""
     """Set when the run did not reach its end."""
 
@@ -64,16 +65,17 @@ class Effect:
             return "run failed"
         if not self.fired:
             return "did not strike"
-        if not self.observed:
+        told = self.detected_after_s is not None
+        if not self.solutions_differ and not told:
             return "not observed"
         if self.recovered_after_s is None:
-            return "not recovered"
-        return "recovered" if self.detected_after_s is not None else "not told"
+            return "not recovered" if self.solutions_differ else "told only"
+        return "recovered" if told else "not told"
 
     @property
     def ok(self) -> bool:
         """The fault struck and did no lasting harm that can be seen."""
-        return self.verdict in ("recovered", "not told", "not observed")
+        return self.verdict in ("recovered", "not told", "told only", "not observed")
 
 
 def fault_course(result: RunResult) -> dict[str, Any]:
@@ -110,7 +112,11 @@ def effect(strike: Strike, series: Mapping[str, Any], usual: Mapping[str, Any]) 
     for one in np.flatnonzero(known):
         there = usual_navigating & np.isfinite(usual_errors[one])
         good &= errors[one] <= np.interp(t, usual_t[there], usual_errors[one][there]) + EXCESS[one]
-    told = _first_word(strike, series["events"], usual["events"])
+    ended_s = strike.at_s + (strike.duration_s or 0.0)
+    words = _unusual_words(strike.at_s, series["events"], usual["events"])
+    told = words[0] if words and words[0][0] <= ended_s + TOLD_WITHIN_S else None
+    differ = series["float64"] != usual["float64"]
+    back = [at_s - strike.at_s for at_s, _text in words if told is not None and at_s > max(ended_s, told[0])]
     return Effect(
         strike=strike,
         fired=sum(series["fired"]),
@@ -120,8 +126,8 @@ def effect(strike: Strike, series: Mapping[str, Any], usual: Mapping[str, Any]) 
         usual=_largest(usual_errors[:, (usual_t >= strike.at_s) & usual_navigating]),
         without_solution_s=_without(t, navigating, strike.at_s, end_s),
         degraded_s=float(np.sum(np.diff(t, append=t[-1:])[after & (mode == DEGRADED)])),
-        recovered_after_s=_recovered(strike, t, good, end_s),
-        observed=told is not None or series["float64"] != usual["float64"],
+        recovered_after_s=_recovered(strike, t, good, end_s) if differ else max(back, default=None),
+        solutions_differ=differ,
     )
 
 
@@ -143,19 +149,19 @@ def _largest(errors: Floats) -> tuple[float | None, float | None, float | None]:
     return position, velocity, attitude
 
 
-def _first_word(strike: Strike, events: list[list[Any]], usual: list[list[Any]]) -> tuple[float, str] | None:
-    """The board's first event while the fault can be told of that the run without does not have there."""
-    latest = strike.at_s + (strike.duration_s or 0.0) + TOLD_WITHIN_S
+def _unusual_words(from_s: float, events: list[list[Any]], usual: list[list[Any]]) -> list[tuple[float, str]]:
+    """What the board said from then on that it does not say there in the run without the fault."""
+    words = []
     for at_s, source, text in events:
-        if source != "board" or not strike.at_s <= at_s <= latest:
+        if source != "board" or at_s < from_s:
             continue
         expected = any(
             other[1] == source and _words(other[2]) == _words(text) and abs(other[0] - at_s) < SAME_EVENT_S
             for other in usual
         )
         if not expected:
-            return at_s, text
-    return None
+            words.append((at_s, text))
+    return words
 
 
 def _words(text: str) -> str:

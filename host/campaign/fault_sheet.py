@@ -53,6 +53,7 @@ def verdict(found: Sequence[Effect]) -> str:
     text = f"{survived} of {len(found)} faults struck and were recovered from; the board told of {told}"
     for name, words in (
         ("not told", "recovered from without a word"),
+        ("told only", "told of, without an end or an effect to be seen"),
         ("not observed", "without an effect to be seen"),
     ):
         count = sum(one.verdict == name for one in found)
@@ -87,7 +88,8 @@ def section(found: Sequence[Effect]) -> Section:
     note = (
         "errors: largest horizontal and attitude error of a navigation solution from the strike to the end of"
         " the run; recovered: solutions without a gap, no more than 5 m, 1 m/s and 3° worse than without the"
-        " fault; not observed: nothing that is seen of the board changed, so nothing is known of its recovery"
+        " fault, or where no solution changed the board's word that it is over; told only: that word did not"
+        " come; not observed: nothing that is seen of the board changed, so nothing is known of its recovery"
     )
     return Section("Faults", columns, rows, words=4, note=note)
 

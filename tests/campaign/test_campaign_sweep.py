@@ -171,6 +171,14 @@ def with_events(*more: Event) -> RunResult:
     return replace(quiet, events=(*quiet.events, *more))
 
 
+def test_a_fault_that_changes_no_solution_is_over_when_the_board_says_so() -> None:
+    told = made_up(None)
+    only = seen(told)
+    assert (only.verdict, only.recovered_after_s, only.ok) == ("told only", None, True)
+    over = seen(replace(told, events=(*told.events, Event(111.0, "board", "GNSS is back"))))
+    assert (over.verdict, over.recovered_after_s) == ("recovered", 11.0)
+
+
 def test_only_words_about_the_fault_count_as_told() -> None:
     assert seen(with_events(Event(190.0, "board", "low battery"))).verdict == "not told"
     usual = replace(made_up(None, told=False), events=(Event(105.0, "board", "17 frames lost"),))
