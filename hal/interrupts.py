@@ -6,7 +6,7 @@ firmware is a line without hardware behind it, made ready by `pend`.
 """
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 
 class InterruptLine(Protocol):
@@ -25,6 +25,18 @@ class InterruptLine(Protocol):
         ...
 
 
+class LineFigures(NamedTuple):
+    """What one line has done since power-on."""
+
+    name: str
+    activations: int
+    busy_ns: int
+    """Time in its handler, more urgent lines left out."""
+    worst_response_ns: int
+    """From the request to the end of the handler."""
+    deadlines_missed: int
+
+
 class InterruptController(Protocol):
     """Hands out the lines that the board description names."""
 
@@ -33,4 +45,8 @@ class InterruptController(Protocol):
 
         Raises KeyError that lists the known names when the board has no such line.
         """
+        ...
+
+    def figures(self) -> list[LineFigures]:
+        """Figures of the lines that have run, in any order."""
         ...

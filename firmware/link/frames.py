@@ -56,8 +56,8 @@ _HEADED: Final = {
 """The same behind type, length and sequence, and the payload's length."""
 
 LIST_HEAD: Final = Struct("<Q")
-TASK_ROW: Final = Struct("<12sIIH")
-"""Name (UTF-8, zeros behind it), activations, worst response µs, deadlines missed."""
+TASK_ROW: Final = Struct("<12sIIIH")
+"""Name (UTF-8, zeros behind), activations, time worked µs modulo 2³², worst response µs, deadlines missed."""
 SATELLITE_HEAD: Final = Struct("<QBB")
 """Time, number of this frame, frames in this list."""
 SATELLITE_ROW: Final = Struct("<BHBHBB")
@@ -86,13 +86,17 @@ class FrameWriter:
         layout.pack_into(self._buffer, len(SYNC), kind, length, self._sequence, *values)
         return self._seal(length)
 
+    def frame(self, kind: int, payload: bytes) -> bytes:
+        """A frame of any type from its payload, at most LONGEST_PAYLOAD bytes."""
+        return self._copy(kind, payload)
+
     def text(self, message: str) -> bytes:
         """A TEXT frame; what is too long is cut at a whole character."""
         payload = message.encode()[:LONGEST_PAYLOAD].decode(errors="ignore").encode()
         return self._copy(TEXT, payload)
 
-    def tasks(self, time_us: int, rows: Iterable[tuple[str, int, int, int]]) -> Iterator[bytes]:
-        """TASKS frames: (name, activations, worst response in µs, deadlines missed) of each task."""
+    def tasks(self, time_us: int, rows: Iterable[tuple[str, int, int, int, int]]) -> Iterator[bytes]:
+        """TASKS frames: (name, activations, time worked in µs, worst response in µs, deadlines missed)."""
         packed = [TASK_ROW.pack(name.encode()[:12], *figures) for name, *figures in rows]
         for first in range(0, len(packed), TASK_ROWS_A_FRAME):
             part = b"".join(packed[first : first + TASK_ROWS_A_FRAME])

@@ -97,8 +97,19 @@ def unknown_line_is_told(bench: InterruptBench) -> None:
     assert all(name in message for name in ("urgent", "middle", "background")), message
 
 
+def counts_activations(bench: InterruptBench) -> None:
+    """Lines that have run are listed with how often; one that has not is left out."""
+    line = bench.controller.attach("middle", lambda: None)
+    bench.controller.attach("background", lambda: None)
+    for _ in range(3):
+        line.pend()
+        bench.settle()
+    assert {one.name: one.activations for one in bench.controller.figures()} == {"middle": 3}
+
+
 CHECKS: tuple[Callable[[InterruptBench], None], ...] = (
     runs_a_pended_line_once,
+    counts_activations,
     disabled_line_waits,
     serves_by_urgency,
     sleep_ends_with_a_handler,

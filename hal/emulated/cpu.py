@@ -14,6 +14,7 @@ from greenlet import getcurrent, greenlet
 from hal.board_io import NotNamedError
 from hal.emulated.interrupt_line import EmulatedLine, LineSpec
 from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
+from hal.interrupts import LineFigures
 
 INTERRUPT_ENTRY_CYCLES = 12
 """Cortex-M exception entry; taken once for entry and exit together with tail-chaining ignored."""
@@ -131,6 +132,14 @@ class EmulatedCpu:
         line.handler = handler
         line.enable()
         return line
+
+    def figures(self) -> list[LineFigures]:
+        """Figures of all lines, the most urgent first; looking takes no time."""
+        return [
+            LineFigures(name, line.activations, line.busy_ns, line.worst_response_ns, line.deadline_misses)
+            for name, line in self.lines.items()
+            if line.activations
+        ]
 
     def now_ns(self) -> int:
         """Time since reset by this processor's crystal."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from hal.interrupts import LineFigures
 from hal.scripted.transcript import Transcript
 
 QUERY_NS = 1000
@@ -18,6 +19,7 @@ class ScriptedLine:
         self.handler = handler
         self.pending = False
         self.enabled = True
+        self.activations = 0
 
     def pend(self) -> None:
         """Make the line pending."""
@@ -84,6 +86,12 @@ class ScriptedCpu:
         self._transcript.on_arrival("line", name, lambda _words: line.pend())
         return line
 
+    def figures(self) -> list[LineFigures]:
+        """Activations; handlers take no time here."""
+        return [
+            LineFigures(n, line.activations, 0, 0, 0) for n, line in self._lines.items() if line.activations
+        ]
+
     def _time_passes(self, words: list[str]) -> None:
         self._now_ns += int(words[0])
 
@@ -92,6 +100,7 @@ class ScriptedCpu:
         served = False
         while line := next((one for one in self._lines.values() if one.pending and one.enabled), None):
             line.pending = False
+            line.activations += 1
             line.handler()
             served = True
         return served

@@ -156,6 +156,8 @@ class TaskFigures(NamedTuple):
 
     name: str
     activations: int
+    busy_us: int
+    """Time worked so far, modulo 2³²."""
     worst_response_us: int
     deadlines_missed: int
 

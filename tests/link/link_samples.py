@@ -31,7 +31,7 @@ FIXED = (
     (frames.STATUS, STATUS),
     (frames.GNSS, GNSS),
 )
-TASKS = tuple(msg.TaskFigures(f"task {n}", n, 10 * n, n) for n in range(15))
+TASKS = tuple(msg.TaskFigures(f"task {n}", n, 7 * n, 10 * n, n) for n in range(15))
 SATELLITES = tuple(
     SatelliteInView(system, n, None if n % 7 == 0 else n % 90, n * 9, None if n % 5 == 0 else n, n % 2 == 0)
     for n, system in enumerate(["GPS", "GLONASS", "Galileo", "BeiDou", "QZSS", "SBAS", "other"] * 6, start=1)

@@ -65,7 +65,7 @@ def test_long_texts_are_cut_at_a_whole_character():
 def test_tasks_and_satellites_take_as_many_frames_as_they_need():
     writer, decoder = frames.FrameWriter(), LinkDecoder()
     tasks = [m for _, m in decoder.feed(b"".join(writer.tasks(5, TASKS)))]
-    assert [len(part.tasks) for part in tasks] == [11, 4]
+    assert [len(part.tasks) for part in tasks] == [9, 6]
     assert tasks[0].tasks + tasks[1].tasks == TASKS
     parts = [m for _, m in decoder.feed(b"".join(writer.satellites(5, SATELLITES)))]
     assert [(part.number, part.frames) for part in parts] == [(0, 2), (1, 2)]

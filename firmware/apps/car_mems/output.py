@@ -20,6 +20,7 @@ from hal.board_io import BoardIo
 LOG_BLOCKS_A_SYNC = 8
 LOG_BLOCK = 4096
 DAY_MS = 86_400_000
+WORD = 0xFFFF_FFFF
 EARLIEST_NS = 0
 
 
@@ -35,6 +36,7 @@ class Output:
         acquisition: Acquisition,
     ) -> None:
         self.dropped = 0
+        self._room = 0
         self.card_works = True
         """False while blocks for the log find no card."""
         self.mode = self.flags = 0
@@ -55,6 +57,8 @@ class Output:
         self._can_cost = io.cpu.cost("can_set")
         self._nmea = NmeaWriter()
         self._nmea_cost = io.cpu.cost("nmea_set")
+        self._task_figures = io.interrupts.figures if settings.task_frames else None
+        self._task_cost = io.cpu.cost("task_frames") if settings.task_frames else 0
         self._seconds = 0
         self._log = io.logs.get("sdcard")
         self._log_buffer = bytearray()
@@ -154,11 +158,33 @@ class Output:
         self._cpu.spend(self._nmea_cost)
 
     def _send_lists(self, now_us: int) -> None:
-        """Satellites in view, for displays; every fifth second."""
+        """For displays: tasks where they are asked for, satellites in view every fifth second."""
+        if self._task_figures is not None:
+            rows = [
+                (name, activations, busy_ns // 1000 & WORD, min(worst_ns // 1000, WORD), min(missed, 0xFFFF))
+                for name, activations, busy_ns, worst_ns, missed in self._task_figures()
+            ]
+            for frame in self._writer.tasks(now_us, rows):
+                self._send(frame)
+            self._cpu.spend(self._task_cost)
         self._seconds += 1
         if self._seconds % 5 == 0:
             for frame in self._writer.satellites(now_us, self._gnss.stream.satellites()):
                 self._send(frame)
+
+    def look(self) -> None:
+        """See how much room the port has, for `tell`; time passes."""
+        self._room = self._uart.tx_free()
+
+    def tell(self, kind: int, payload: bytes) -> None:
+        """A frame of the application's own type, dropped when `look` saw no room; no time passes."""
+        frame = self._writer.frame(kind, payload)
+        if self._room >= len(frame):
+            self._write(frame)
+        else:
+            self.dropped += 1
+        if self._log is not None:
+            self._log_buffer += frame
 
     def send_text(self, message: str) -> None:
         """A line for people."""

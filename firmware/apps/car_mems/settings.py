@@ -39,8 +39,17 @@ class Settings:
     output_rate_hz: int = 10
     initial_yaw_deg: float | None = None
     """Heading known at the start, true north; None: taken from the course once the vehicle moves."""
+    task_frames: bool = False
+    """Tell the load of each task every second, for displays."""
+    raw_output: bool = False
+    """Tell on the host port everything that navigation takes in (`firmware.link.raw_frames`)."""
     precision: str = "float32"
     """"float64" runs the same kernels in double precision, for error budgets only."""
+
+    @property
+    def steps_per_output(self) -> int:
+        """Strapdown steps from one solution to the next."""
+        return max(1, (10 if self.strapdown == "mean" else self.imu_rate_hz) // self.output_rate_hz)
 
     @classmethod
     def of(cls, profile: Mapping[str, Any]) -> Settings:
