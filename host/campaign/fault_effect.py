@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +10,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from host.campaign.can_effect import CanEffect, can_course, can_effect
 from host.campaign.fault_plan import Strike
+from host.campaign.fault_told import told, told_course
 from host.record.result import RunResult
 from host.record.run_data import NAVIGATING
 
@@ -27,9 +28,6 @@ KNOWN_BY = (
     ("yaw_deg", "pitch_deg", "roll_deg"),
 )
 """A board that does not know one of the three sends zeros: then its error says nothing."""
-TOLD_WITHIN_S = 10.0
-"""So long after its end a fault may be told of; later words are about something else."""
-SAME_EVENT_S = 0.5
 SETTLED_S = 5.0
 """So long before the end of the run the last bad solution must lie."""
 DEGRADED = 4
@@ -52,9 +50,12 @@ class Effect:
     without_solution_s: float
     degraded_s: float
     recovered_after_s: float | None
-    """Until solutions were good again; where no solution differed, until the board's last word about it."""
+    """Until solutions were good again and CAN frames came as usual; where neither suffered, until the board's
+    last word about it."""
     solutions_differ: bool = True
     """Whether any solution is another than in the run without the fault."""
+    can: CanEffect | None = None
+    """None: the board has no CAN."""
     error: str = ""
     """Set when the run did not reach its end."""
 
@@ -65,12 +66,17 @@ class Effect:
             return "run failed"
         if not self.fired:
             return "did not strike"
-        told = self.detected_after_s is not None
-        if not self.solutions_differ and not told:
+        detected = self.detected_after_s is not None
+        if not self.suffered and not detected:
             return "not observed"
         if self.recovered_after_s is None:
-            return "not recovered" if self.solutions_differ else "told only"
-        return "recovered" if told else "not told"
+            return "not recovered" if self.suffered else "told only"
+        return "recovered" if detected else "not told"
+
+    @property
+    def suffered(self) -> bool:
+        """Whether solutions or CAN frames are others than in the run without the fault."""
+        return self.solutions_differ or (self.can is not None and self.can.differs)
 
     @property
     def ok(self) -> bool:
@@ -94,9 +100,10 @@ def fault_course(result: RunResult) -> dict[str, Any]:
     columns = np.stack((named["t_s"], named["mode"], *errors))
     return {
         "float64": base64.b64encode(columns.astype("<f8").tobytes()).decode(),
-        "events": [[event.at_s, event.source, event.text] for event in result.events],
         "fired": [fault.fired for fault in result.faults],
         "duration_s": result.duration_s,
+        "can": can_course(result),
+        **told_course(result),
     }
 
 
@@ -113,22 +120,32 @@ def effect(strike: Strike, series: Mapping[str, Any], usual: Mapping[str, Any]) 
         there = usual_navigating & np.isfinite(usual_errors[one])
         good &= errors[one] <= np.interp(t, usual_t[there], usual_errors[one][there]) + EXCESS[one]
     ended_s = strike.at_s + (strike.duration_s or 0.0)
-    words = _unusual_words(strike.at_s, series["events"], usual["events"])
-    told = words[0] if words and words[0][0] <= ended_s + TOLD_WITHIN_S else None
+    heard = told(strike.at_s, ended_s, series, usual)
     differ = series["float64"] != usual["float64"]
-    back = [at_s - strike.at_s for at_s, _text in words if told is not None and at_s > max(ended_s, told[0])]
+    can = can_effect(strike.at_s, end_s - SETTLED_S, series["can"], usual["can"])
+    over: list[float | None] = [_recovered(strike, t, good, end_s)] if differ else []
+    over += [can.recovered_after_s] if can is not None and can.differs else []
+    if not over:
+        over = [None if heard.last_s is None else heard.last_s - strike.at_s]
     return Effect(
         strike=strike,
         fired=sum(series["fired"]),
-        detected_after_s=None if told is None else told[0] - strike.at_s,
-        said="" if told is None else told[1],
+        detected_after_s=None if heard.first_s is None else heard.first_s - strike.at_s,
+        said=heard.said,
         worst=_largest(errors[:, after & (mode >= NAVIGATING)]),
         usual=_largest(usual_errors[:, (usual_t >= strike.at_s) & usual_navigating]),
         without_solution_s=_without(t, navigating, strike.at_s, end_s),
         degraded_s=float(np.sum(np.diff(t, append=t[-1:])[after & (mode == DEGRADED)])),
-        recovered_after_s=_recovered(strike, t, good, end_s) if differ else max(back, default=None),
+        recovered_after_s=_latest(over),
         solutions_differ=differ,
+        can=can,
     )
+
+
+def _latest(times_s: list[float | None]) -> float | None:
+    """None when any of them never came."""
+    known = [one for one in times_s if one is not None]
+    return max(known) if len(known) == len(times_s) else None
 
 
 def _norm(named: Mapping[str, Floats], *names: str) -> Floats:
@@ -147,26 +164,6 @@ def _largest(errors: Floats) -> tuple[float | None, float | None, float | None]:
         float(np.nanmax(row)) if np.isfinite(row).any() else None for row in errors
     )
     return position, velocity, attitude
-
-
-def _unusual_words(from_s: float, events: list[list[Any]], usual: list[list[Any]]) -> list[tuple[float, str]]:
-    """What the board said from then on that it does not say there in the run without the fault."""
-    words = []
-    for at_s, source, text in events:
-        if source != "board" or at_s < from_s:
-            continue
-        expected = any(
-            other[1] == source and _words(other[2]) == _words(text) and abs(other[0] - at_s) < SAME_EVENT_S
-            for other in usual
-        )
-        if not expected:
-            words.append((at_s, text))
-    return words
-
-
-def _words(text: str) -> str:
-    """Two events that differ in a figure only are the same event."""
-    return re.sub(r"\d+", "0", text)
 
 
 def _without(t: Floats, navigating: NDArray[np.bool_], at_s: float, end_s: float) -> float:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from host.campaign.campaign import Finished
+from host.campaign.can_effect import CanEffect
 from host.campaign.fault_effect import Effect, effect
 from host.campaign.fault_plan import Strike
 from host.campaign.page import heading, provenance
@@ -22,9 +23,12 @@ COLUMNS = (
     *("worst_error_m", "usual_error_m", "without_solution_s", "degraded_s", "recovered_after_s"),
     *("worst_velocity_error_mps", "usual_velocity_error_mps"),
     *("worst_attitude_error_deg", "usual_attitude_error_deg"),
-    *("verdict", "error"),
+    *("can_frames_expected", "can_frames", "can_errors", "longest_can_gap_s", "usual_can_gap_s"),
+    *("effect", "verdict", "error"),
 )
 
+NEVER = "never"
+NO_WORD = "nothing"
 NOTHING = (None, None, None)
 WORDS_SHOWN = 36
 
@@ -63,35 +67,62 @@ def verdict(found: Sequence[Effect]) -> str:
 
 def section(found: Sequence[Effect]) -> Section:
     """The table for people."""
-    rows = tuple(
-        (
-            one.strike.kind,
-            one.strike.target,
-            _short(one.said) or NONE,
-            one.verdict,
-            number(one.fired),
-            number(one.detected_after_s),
-            number(one.worst[0]),
-            number(one.usual[0]),
-            number(one.worst[2]),
-            number(one.usual[2]),
-            number(one.without_solution_s),
-            number(one.recovered_after_s),
-        )
-        for one in found
-    )
+    rows = tuple((one.strike.kind, one.strike.target, *_cells(one)) for one in found)
     columns = (
         *("fault", "target", "the board's first word", "verdict", "fired", "detected after, s"),
-        *("worst error, m", "without fault, m", "worst error, °", "without fault, °"),
-        *("no solution, s", "recovered after, s"),
+        *("error, m (usual)", "error, ° (usual)", "no solution, s"),
+        *("CAN frames missing", "longest CAN gap, s", "recovered after, s"),
     )
     note = (
         "errors: largest horizontal and attitude error of a navigation solution from the strike to the end of"
-        " the run; recovered: solutions without a gap, no more than 5 m, 1 m/s and 3° worse than without the"
-        " fault, or where no solution changed the board's word that it is over; told only: that word did not"
-        " come; not observed: nothing that is seen of the board changed, so nothing is known of its recovery"
+        " the run, in brackets without the fault; CAN: frames of all identifiers against the run without the"
+        " fault, gap between two frames of one identifier; recovered: solutions without a gap, no more than"
+        " 5 m, 1 m/s and 3° worse than without the fault, and CAN frames in their usual rhythm; where neither"
+        " suffered, the board's word that it is over; told only: that word did not come; not observed:"
+        " nothing that is seen of the board changed, so nothing is known of its recovery"
     )
     return Section("Faults", columns, rows, words=4, note=note)
+
+
+def _cells(one: Effect) -> tuple[str, ...]:
+    can = one.can
+    return (
+        _short(one.said) or (NONE if one.error else NO_WORD),
+        one.verdict,
+        number(one.fired),
+        _time(one, one.detected_after_s, number),
+        f"{number(one.worst[0])} ({number(one.usual[0])})",
+        f"{number(one.worst[2])} ({number(one.usual[2])})",
+        number(one.without_solution_s),
+        NONE if can is None else f"{can.expected - can.came:,} of {can.expected:,}",
+        NONE if can is None else number(can.longest_gap_s),
+        _time(one, one.recovered_after_s, number),
+    )
+
+
+def _time(one: Effect, after_s: float | None, text: Callable[[float | None], str]) -> str:
+    """A time that did not come is never; of a run without an end nothing is known."""
+    return NEVER if after_s is None and not one.error else text(after_s)
+
+
+def effect_words(one: Effect) -> str:
+    """What solutions and CAN frames suffered."""
+    if one.error:
+        return ""
+    words = []
+    if one.solutions_differ:
+        named = zip(("m", "m/s", "°"), one.worst, one.usual, strict=True)
+        errors = [f"{number(bad)} {unit} ({number(usual)})" for unit, bad, usual in named if bad is not None]
+        words.append("worst errors (usual): " + (", ".join(errors) or "no navigation solution"))
+    if one.without_solution_s:
+        words.append(f"no solution for {number(one.without_solution_s)} s")
+    if one.can is not None and one.can.differs:
+        missing = one.can.expected - one.can.came
+        words.append(
+            f"CAN: {missing} of {one.can.expected} frames missing, {one.can.errors} errors,"
+            f" longest gap {number(one.can.longest_gap_s)} s"
+        )
+    return "; ".join(words) or "none on solutions and CAN frames"
 
 
 def left_out(cannot: Sequence[tuple[Strike, str]]) -> Section:
@@ -101,7 +132,7 @@ def left_out(cannot: Sequence[tuple[Strike, str]]) -> Section:
 
 
 def sheet_csv(found: Sequence[Effect]) -> str:
-    """A line for each fault; what never happened is empty."""
+    """A line for each fault; what the board does not have is empty."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -109,13 +140,19 @@ def sheet_csv(found: Sequence[Effect]) -> str:
         strike = one.strike
         parameters = " ".join(f"{name}={value:g}" for name, value in strike.parameters)
         given = (strike.kind, strike.target, strike.at_s, strike.duration_s, parameters)
-        told = (one.fired, _rounded(one.detected_after_s), one.said)
-        measured = (
-            *(one.worst[0], one.usual[0], one.without_solution_s, one.degraded_s, one.recovered_after_s),
-            *(one.worst[1], one.usual[1], one.worst[2], one.usual[2]),
-        )
-        writer.writerow([*given, *told, *map(_rounded, measured), one.verdict, one.error])
+        told = (one.fired, _time(one, one.detected_after_s, _rounded), one.said or NO_WORD)
+        errors = map(_rounded, (one.worst[0], one.usual[0], one.without_solution_s, one.degraded_s))
+        more = map(_rounded, (one.worst[1], one.usual[1], one.worst[2], one.usual[2]))
+        recovered = _time(one, one.recovered_after_s, _rounded)
+        said = (effect_words(one), one.verdict, one.error)
+        writer.writerow([*given, *told, *errors, recovered, *more, *_can_columns(one.can), *said])
     return text.getvalue()
+
+
+def _can_columns(can: CanEffect | None) -> tuple[object, ...]:
+    if can is None:
+        return ("",) * 5
+    return (can.expected, can.came, can.errors, _rounded(can.longest_gap_s), _rounded(can.usual_gap_s))
 
 
 def sheet_page(

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 
 from host.capture.writer import CaptureWriter
 from host.record.atomic import write_whole
+from host.record.can_course import CanCourse
 from host.record.collector import Collector
 from host.record.errors import UserError
 from host.record.result import BusUse, CpuUse, Event, FaultUse, RunResult
@@ -121,6 +122,14 @@ class Recorder:
     def add_trace(self, trace: TaskTrace) -> None:
         """A recorded window of one processor's tasks."""
         self._collector.add_trace(trace)
+
+    def add_can_course(self, course: CanCourse) -> None:
+        """When the frames of one identifier of a CAN bus came."""
+        self._collector.data.can.append(course)
+
+    def add_status(self, rows: Floats) -> None:
+        """Counters that the board told, rows of `host.record.run_data.STATUS_COLUMNS`."""
+        self._collector.data.status.add(rows)
 
     # -- the end -----------------------------------------------------------------------------------
 

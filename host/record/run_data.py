@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from host.record.can_course import CanCourse
 from host.record.series import DecimatedSeries
 
 Floats = NDArray[np.float64]
@@ -19,6 +20,13 @@ Floats = NDArray[np.float64]
 NAVIGATING = 3
 """From this mode on a solution is a navigation solution (0 waiting, 1 levelling, 2 waiting for heading,
 3 navigating, 4 degraded)."""
+
+STATUS_COLUMNS = (
+    *("t_s", "samples_missed", "samples_repeated", "bad_checksums", "garbage_bytes"),
+    *("frames_dropped", "imu_starts"),
+)
+"""Counters of trouble in the board's STATUS frames, since the processor's last reset."""
+STATUS_LIMIT = 4096
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,3 +138,5 @@ class RunData:
     outages: tuple[tuple[float, float], ...] = ()
     """(start, duration) in s."""
     traces: list[TaskTrace] = field(default_factory=list)
+    status: DecimatedSeries = field(default_factory=lambda: DecimatedSeries(STATUS_COLUMNS, STATUS_LIMIT))
+    can: list[CanCourse] = field(default_factory=list)

@@ -93,6 +93,7 @@ class LinkIntake:
                 Innovation(self._seconds(row[0]), values[:6], values[6:], int(row[1]))  # type: ignore[arg-type]
             )
         self._take_biases(_rows(frames.BIAS, payloads))
+        self._take_status(_rows(frames.STATUS, payloads))
         self._take_solutions(np.frombuffer(b"".join(payloads[frames.SOLUTION]), SOLUTION_DTYPE))
 
     def _clock_ends(self, now_ns: int) -> None:
@@ -172,6 +173,12 @@ class LinkIntake:
         for row, time_ns, true in zip(kept, times_ns[fresh], truth, strict=True):
             known = tuple(true.tolist()) if np.isfinite(true).all() else None
             self._recorder.add_bias(BiasEstimate(time_ns / 1e9, row[1:10], row[10:19], known))
+
+    def _take_status(self, rows: list[tuple[float, ...]]) -> None:
+        """Its counters of trouble: everything behind gnss_epochs and imu_reads but the last."""
+        if rows:
+            counters = np.array([[self._seconds(row[0]), *row[5:11]] for row in rows], dtype=np.float64)
+            self._recorder.add_status(counters)
 
     def _body_biases(self, times_ns: NDArray[np.int64]) -> Floats:
         """True gyro and accelerometer biases in body axes, (n, 6); NaN where nobody knows them."""

@@ -23,6 +23,8 @@ from host.capture.writer import (
     SpiRecorder,
     UartRecorder,
 )
+from host.record.can_course import CanCourse
+from host.run.can_rhythm import CanRhythm
 
 
 class WireRecords(Protocol):
@@ -100,6 +102,7 @@ class CanEar:
     def __init__(self, bus: EmulatedCanBus, record: CanRecorder | None) -> None:
         self._listener = bus.listen_late()
         self._record = record
+        self.rhythm = CanRhythm(bus.name)
 
     def take(self) -> bytes:
         """Records (`blocks.can_records`) of all frames that have ended since the last time, which also go to
@@ -108,6 +111,7 @@ class CanEar:
         records = can_records(heard)
         if self._record is not None:
             self._record(records)
+        self.rhythm.add(heard)
         return records
 
 
@@ -165,6 +169,10 @@ class Ears:
                     self._to_host(data)
         for name, can_ear in self._can_ears.items():
             self._hashes[name].update(can_ear.take())
+
+    def can_courses(self, duration_ns: int) -> list[CanCourse]:
+        """When the frames of every CAN bus came, after the run."""
+        return [course for ear in self._can_ears.values() for course in ear.rhythm.courses(duration_ns)]
 
     def hexdigest(self) -> str:
         """The hash, after the run."""

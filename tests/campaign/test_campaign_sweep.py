@@ -7,16 +7,21 @@ import json
 from dataclasses import replace
 from pathlib import Path
 
+import can
 import numpy as np
 from campaign_rig import REST, navtwin
 
 from host.campaign.fault_effect import Effect, effect, fault_course
 from host.campaign.fault_plan import Strike
 from host.campaign.fault_sheet import verdict
-from host.record.result import Event, FaultUse, RunResult
-from host.record.run_data import RunData
+from host.record.can_course import CanCourse
+from host.record.result import BusUse, Event, FaultUse, RunRequest, RunResult
+from host.record.run_data import STATUS_COLUMNS, RunData
 from host.record.series import DecimatedSeries
 from host.record.tables import SOLUTION
+from host.run.runner import run
+
+REQUEST = RunRequest("car_mems", str(REST), overrides=("duration_s=20",), capture=False)
 
 
 def read_csv(path: Path) -> list[dict[str, str]]:
@@ -86,6 +91,25 @@ def test_fault_sheet_of_some_faults(tmp_path: Path) -> None:
     assert 1 < float(sheet["uart-cut", "gnss"]["detected_after_s"]) < 4
     assert float(sheet["cpu-reset", "mcu"]["without_solution_s"]) > 2
     assert "3 of 4 faults struck" in (out / "faults.html").read_text()
+
+
+def test_what_can_frames_suffer_is_a_figure(tmp_path: Path) -> None:
+    """Ten sets of five frames a second; what waits in the controller's mailboxes meanwhile comes late."""
+    out = tmp_path / "f"
+    asked = ("--only", "can-disturbance", "--at", 40, "--for", 5, "--out", out)
+    result = navtwin("faults", "car_mems", "-s", REST, *asked)
+    assert result.exit_code == 0, result.output
+    (row,) = read_csv(out / "faults.csv")
+    assert row["verdict"] == "recovered"
+    assert abs(int(row["can_frames_expected"]) / (5 * 10 * 50) - 1) < 0.01
+    missing = int(row["can_frames_expected"]) - int(row["can_frames"])
+    assert 5 * 50 - 16 <= missing < 5 * 50
+    assert 5.0 < float(row["longest_can_gap_s"]) < 5.3
+    assert abs(float(row["usual_can_gap_s"]) - 0.1) < 0.01
+    assert int(row["can_errors"]) == int(row["fired"]) > 0
+    assert row["said"].startswith("STATUS: frames_dropped")
+    assert 5.0 <= float(row["recovered_after_s"]) <= 6.0
+    assert f"CAN: {missing} of {row['can_frames_expected']} frames missing" in row["effect"]
 
 
 def test_faults_that_cannot_be(tmp_path: Path) -> None:
@@ -184,6 +208,76 @@ def test_only_words_about_the_fault_count_as_told() -> None:
     usual = replace(made_up(None, told=False), events=(Event(105.0, "board", "17 frames lost"),))
     there = fault_course(replace(with_events(), events=(Event(105.1, "board", "18 frames lost"),)))
     assert effect(STRIKE, there, fault_course(usual)).verdict == "not told"
+
+
+def with_can(
+    course: tuple[list[int], list[float]], errors: int = 0, counted: tuple[float, int] | None = None
+) -> RunResult:
+    """200 s with frames in each second; frames_dropped rises by so many at the end of a second."""
+    frames, gaps = course
+    result = made_up(None, told=False)
+    assert result.data is not None
+    result.data.can.append(CanCourse("can1", 0x310, np.array(frames), np.array(gaps)))
+    status = np.zeros((200, len(STATUS_COLUMNS)))
+    status[:, 0] = np.arange(200) + 0.9
+    if counted is not None:
+        status[status[:, 0] >= counted[0], STATUS_COLUMNS.index("frames_dropped")] = counted[1]
+    result.data.status.add(status)
+    return replace(result, buses=(BusUse("can1", 0.1, sum(frames), errors=errors),))
+
+
+USUAL_FRAMES, USUAL_GAPS = [10] * 200, [0.1] * 200
+
+
+def against_usual(there: RunResult) -> Effect:
+    return effect(STRIKE, fault_course(there), fault_course(with_can((USUAL_FRAMES, USUAL_GAPS))))
+
+
+def test_can_frames_that_do_not_come_again_are_not_recovered() -> None:
+    frames = [10] * 100 + [0] * 100
+    gaps = [0.1] * 100 + [0.0] * 99 + [100.0]
+    found = against_usual(with_can((frames, gaps), errors=32, counted=(101.0, 7)))
+    assert found.can is not None
+    assert (found.can.expected, found.can.came, found.can.errors) == (1000, 0, 32)
+    assert found.can.longest_gap_s == 100.0
+    assert (found.verdict, found.recovered_after_s) == ("not recovered", None)
+    assert found.detected_after_s is not None
+    assert abs(found.detected_after_s - 1.9) < 1e-9
+    assert found.said == "STATUS: frames_dropped +7"
+
+
+def test_fewer_can_frames_without_a_gap_count_until_they_all_come() -> None:
+    frames = [10] * 100 + [5] * 10 + [10] * 90
+    found = against_usual(with_can((frames, USUAL_GAPS)))
+    assert (found.verdict, found.recovered_after_s) == ("not told", 10.0)
+    shifted = against_usual(with_can(([10] * 100 + [9, 11] * 50, USUAL_GAPS)))
+    assert (shifted.can is not None and shifted.can.differs, shifted.verdict) == (False, "not observed")
+
+
+def test_counters_that_rise_long_after_the_fault_do_not_tell_of_it() -> None:
+    found = against_usual(with_can((USUAL_FRAMES, USUAL_GAPS), counted=(150.0, 7)))
+    assert (found.detected_after_s, found.verdict) == (None, "not observed")
+
+
+def test_the_rhythm_on_can_is_that_of_the_capture(tmp_path: Path) -> None:
+    """The course kept of each identifier against the frames of the capture, by python-can's reader."""
+    asked = replace(REQUEST, out_dir=tmp_path / "r", capture=True)
+    result = run(asked)
+    assert result.data is not None
+    log = tmp_path / "can.log"
+    exported = navtwin("capture", "export", tmp_path / "r" / "run.mcap", "--format", "candump", "-o", log)
+    assert exported.exit_code == 0, exported.output
+    messages = list(can.CanutilsLogReader(log))
+    assert {course.identifier for course in result.data.can} == {one.arbitration_id for one in messages}
+    for course in result.data.can:
+        times = [one.timestamp for one in messages if one.arbitration_id == course.identifier]
+        np.testing.assert_array_equal(course.frames, np.bincount(np.int64(times), minlength=20))
+        longest = np.diff([0.0, *times, 20.0]).max()
+        assert abs(course.gaps.max() - longest) < 2e-6
+    plain = run(REQUEST).data
+    assert plain is not None
+    for one, other in zip(plain.can, result.data.can, strict=True):
+        np.testing.assert_array_equal(one.gaps, other.gaps)
 
 
 def test_lost_attitude_of_a_board_without_position_is_not_recovered() -> None:
