@@ -1,6 +1,6 @@
-"""The two loops over a block of samples, compiled: instants of a clock, and values to register bytes.
+"""The loop over a block of samples, compiled: values to register bytes.
 
-Both run also interpreted (NUMBA_DISABLE_JIT=1) with the same results.
+It runs also interpreted (NUMBA_DISABLE_JIT=1) with the same results.
 """
 
 from __future__ import annotations
@@ -13,13 +13,6 @@ STRIDE = 16
 """Bytes of a sample in a block: a zero, six of the gyroscope, six of the accelerometer, three of the time."""
 DATA_END = 13
 """Where the data registers of a sample end and its sensor time begins."""
-
-
-@njit(cache=True, error_model="numpy")
-def fill_instants(start_ns: int, rest: int, step: int, denominator: int, instants: NDArray[np.int64]) -> None:
-    """instants[i] = start_ns + (rest + i·step) // denominator, all positive."""
-    for i in range(len(instants)):
-        instants[i] = start_ns + (rest + i * step) // denominator
 
 
 @njit(cache=True, error_model="numpy")
