@@ -15,6 +15,11 @@ from hal.interrupts import InterruptLine
 class Uart(Protocol):
     """One port."""
 
+    @property
+    def baud(self) -> int:
+        """The bit rate of both directions now."""
+        ...
+
     def set_baud(self, baud: int) -> None:
         """Change the bit rate of both directions for the bytes that follow."""
         ...

@@ -38,6 +38,11 @@ class EmulatedUart:
         rx.attach(self._receiver)
         cpu.reset_hooks.append(self._reset)
 
+    @property
+    def baud(self) -> int:
+        """The bit rate of both directions now."""
+        return self.tx.baud
+
     def set_baud(self, baud: int) -> None:
         """Change the bit rate of both directions for the bytes that follow."""
         if baud != self.tx.baud:

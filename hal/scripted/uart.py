@@ -17,6 +17,8 @@ class ScriptedUart:
     def __init__(self, transcript: Transcript, name: str) -> None:
         self._transcript = transcript
         self.name = name
+        self.baud = 9600
+        """As after power-on; no step."""
         self._ring = bytearray()
         self._line: InterruptLine | None = None
         self._received = 0
@@ -25,6 +27,7 @@ class ScriptedUart:
     def set_baud(self, baud: int) -> None:
         """A step."""
         self._transcript.take(f"uart {self.name} baud {baud}")
+        self.baud = baud
 
     def write(self, data: bytes) -> int:
         """A step; nothing to write is none."""

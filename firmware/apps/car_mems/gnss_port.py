@@ -7,6 +7,9 @@ service (background)                  power, configuration, silence behind a bur
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from firmware.apps.car_mems.gnss_time import GnssTime
 from firmware.apps.car_mems.navigation import Navigation
 from firmware.apps.car_mems.settings import Settings
@@ -38,6 +41,8 @@ class GnssPort:
         self._is_waiting = False
         self.epochs = 0
         self.pulse_dated = False
+        self._pulse = (0, 0)
+        """Count and time of the edge known when the waiting epoch was dated."""
         self._uart = io.uart["gnss"]
         self._now_ns = io.clock.now_ns
         self._cpu = io.cpu
@@ -74,6 +79,12 @@ class GnssPort:
             self._quiet_looks += 1
             self._line.pend()
 
+    def absorb(self, epoch: NDArray[np.int64], pulse: tuple[int, int]) -> None:
+        """The filter takes a dated epoch."""
+        self._epoch[:] = epoch
+        self.latest = self._epoch.tolist()
+        self._navigation.take_epoch(self._epoch, pulse)
+
     def _on_pulse(self) -> None:
         assert self._capture is not None
         self.time.take_pulse(*self._capture.captured())
@@ -95,17 +106,20 @@ class GnssPort:
         burst_start_ns = int(epoch[gnss.BURST_START_NS])
         valid_ns, self.pulse_dated = self.time.validity(int(epoch[gnss.TIME_OF_DAY_MS]), burst_start_ns)
         epoch[gnss.VALID_NS] = valid_ns
+        self._pulse = self.time.edge
         self.epochs += 1
         self.epochs_skipped += self._is_waiting
         self._is_waiting = True
         self._filter.pend()
 
+    @property
+    def epoch(self) -> NDArray[np.int64]:
+        """The record that the filter took last."""
+        return self._epoch
+
     def _on_epoch(self) -> None:
-        navigation = self._navigation
-        self._epoch[:] = self._waiting
-        self.latest = self._epoch.tolist()
         self._is_waiting = False
-        navigation.kernels.gnss_step(navigation.f, navigation.i, self._epoch)
+        self.absorb(self._waiting, self._pulse)
         self._cpu.spend(self._update_cost)
         self.updated()
 

@@ -26,6 +26,11 @@ class GnssTime:
         self.pulses = count
         self._edge_ns = edge_ns
 
+    @property
+    def edge(self) -> tuple[int, int]:
+        """The latest edge: count, processor clock in ns."""
+        return self.pulses, self._edge_ns
+
     def validity(self, time_of_day_ms: int, burst_start_ns: int) -> tuple[int, bool]:
         """(time of validity on the processor's clock in ns, whether the pulse gave it)."""
         if not self.pulses or burst_start_ns - self._edge_ns > LONGEST_PULSE_AGE_NS:

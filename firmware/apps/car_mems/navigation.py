@@ -73,6 +73,14 @@ class Navigation:
         """Bring `floats` and `integers` up to the present state."""
         self._solution(self.f, self.i, self.floats, self.integers)
 
+    def sample_step(self, mean: bool) -> Callable[..., int]:
+        """The kernel that takes a sample: (f, i, burst, board time of the read)."""
+        return self.kernels.timer_sample if mean else self.kernels.data_ready_step
+
+    def take_epoch(self, epoch: NDArray[np.int64], _pulse: tuple[int, int]) -> None:
+        """One Kalman update; `_pulse`: the edge of TIMEPULSE that dated the epoch (count, ns)."""
+        self.kernels.gnss_step(self.f, self.i, epoch)
+
     def take_temperature(self, celsius: float) -> None:
         """The inertial sensor has this temperature."""
         self.kernels.temperature_step(self.f, self.i, celsius)

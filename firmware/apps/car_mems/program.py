@@ -7,7 +7,7 @@ timepulse                                            main: configuration, log, h
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,6 +18,8 @@ from firmware.apps.car_mems.background import Background
 from firmware.apps.car_mems.gnss_port import GnssPort
 from firmware.apps.car_mems.navigation import Navigation, NavigationKernels, nav_config
 from firmware.apps.car_mems.output import Output
+from firmware.apps.car_mems.raw_loop import RawLoop
+from firmware.apps.car_mems.raw_output import ToldNavigation, check_baud
 from firmware.apps.car_mems.settings import Settings
 from firmware.nav import layout
 from hal.board_io import BoardIo
@@ -28,6 +30,13 @@ def program(io: BoardIo, profile: Mapping[str, Any], installation: Mapping[str, 
     return CarMems(io, Settings.of(profile), installation)
 
 
+def raw_loop(
+    profile: Mapping[str, Any], installation: Mapping[str, Any], captures: Collection[str]
+) -> RawLoop:
+    """The same navigation without a board, for raw frames; `captures`: pins wired to capture timers."""
+    return RawLoop(profile, installation, captures)
+
+
 class CarMems:
     """Implements `hal.board_io.Program`."""
 
@@ -35,13 +44,16 @@ class CarMems:
         self._io = io
         self._settings = settings
         self._kernels = NavigationKernels(settings.precision)
+        if settings.raw_output:
+            check_baud(settings, io.uart["host"].baud)
         self._config = nav_config(settings, installation, "timepulse" in io.captures)
         self._navigation: Navigation | None = None
 
     def main(self) -> None:
         """From the reset vector: nothing survives a reset."""
         io, settings = self._io, self._settings
-        navigation = Navigation(self._kernels, self._config)
+        told = ToldNavigation(self._kernels, self._config, io, settings) if settings.raw_output else None
+        navigation = Navigation(self._kernels, self._config) if told is None else told
         self._navigation = navigation
         gnss = GnssPort(io, settings, navigation)
         acquisition = Acquisition(io, settings)
@@ -49,6 +61,8 @@ class CarMems:
         tasks = NavigationTasks(io, settings, navigation, acquisition, output)
         announcer = Announcer(io.clock, gnss, output)
         background = Background(io, navigation, gnss, acquisition, output, announcer)
+        if told is not None:
+            told.begin(output.look, output.tell, lambda: gnss.epoch)
         gnss.begin()
         tasks.begin()
         background.run()
@@ -82,11 +96,10 @@ class NavigationTasks:
         self._f = navigation.f
         self._i = navigation.i
         mean = settings.strapdown == "mean"
-        kernels = navigation.kernels
-        self._step = kernels.timer_sample if mean else kernels.data_ready_step
+        self._step = navigation.sample_step(mean)
         self._step_cost = io.cpu.cost("navigation_mean" if mean else "navigation_step")
         self._sample_cost = io.cpu.cost("convert_average")
-        self._steps_per_output = max(1, (10 if mean else settings.imu_rate_hz) // settings.output_rate_hz)
+        self._steps_per_output = settings.steps_per_output
         self._steps = 0
         self._output_line = io.interrupts.attach("output", output.send)
         line = io.interrupts.attach("navigation", self._on_mean_sample if mean else self._on_sample)
