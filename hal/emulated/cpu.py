@@ -27,6 +27,9 @@ POLL_LIMIT = 5_000_000
 
 TRACE_LENGTH = 4000
 
+THREAD_PRIORITY = 1 << 30
+"""Less urgent than every line."""
+
 RESET_BIT = 1
 """The reset request, as a line more urgent than all others that nothing can mask."""
 
@@ -62,7 +65,6 @@ class EmulatedCpu:
         self.crystal_error_ppb = crystal_error_ppb
         self.costs = dict(costs or {})
         self.pending = 0
-        self.open_lines = RESET_BIT
         self.parked = False
         self.reset_cause = "power-on"
         self.resets: list[tuple[int, str]] = []
@@ -75,17 +77,21 @@ class EmulatedCpu:
         self._boot_ns = 0
         self._polls = 0
         self._nested_ns = 0
-        self._thread_open = RESET_BIT
-        self._running: EmulatedLine | None = None
         self._owner: greenlet | None = None
         self._greenlet: greenlet | None = None
         self._reset_cause = ""
         self._durations: dict[int, int] = {}
+        self._clock_rate = SECOND + crystal_error_ppb
+        """ns that the processor's clock shows in a second."""
         self._entry_ns = self._duration(interrupt_entry_cycles)
         self._access_ns = self._duration(ACCESS_CYCLES)
         self.lines = self._make_lines(lines)
         self._by_bit = {line.bit: line for line in self.lines.values()}
         self._by_bit[RESET_BIT] = self._reset_line()
+        self._thread = EmulatedLine(self, LineSpec("main", THREAD_PRIORITY), 0)
+        self._thread.open = RESET_BIT
+        self.running = self._thread
+        """Whose code runs: a line's handler, or the thread that all lines may interrupt."""
 
     def _make_lines(self, specs: Sequence[LineSpec]) -> dict[str, EmulatedLine]:
         ordered = sorted(specs, key=lambda spec: spec.priority)
@@ -151,13 +157,11 @@ class EmulatedCpu:
         else:
             self.poll()
             now = time.now
-        elapsed = now - self._boot_ns
-        return elapsed + elapsed * self.crystal_error_ppb // SECOND
+        return (now - self._boot_ns) * self._clock_rate // SECOND
 
     def clock_at(self, time_ns: int) -> int:
         """What this processor's clock shows at a virtual time (a capture unit's latch, without an access)."""
-        elapsed = time_ns - self._boot_ns
-        return elapsed + elapsed * self.crystal_error_ppb // SECOND
+        return (time_ns - self._boot_ns) * self._clock_rate // SECOND
 
     def start_trace(self) -> None:
         """Record the next TRACE_LENGTH activations in `trace`."""
@@ -176,7 +180,10 @@ class EmulatedCpu:
     def spend(self, cycles: int) -> None:
         """Let the time of `cycles` pass, rounded up to ns; being interrupted makes it longer."""
         time = self.time
-        end = time.now + (self._durations.get(cycles) or self._duration(cycles))
+        try:
+            end = time.now + self._durations[cycles]
+        except KeyError:
+            end = time.now + self._duration(cycles)
         if end < time.limit:
             time.now = end
         else:
@@ -189,13 +196,13 @@ class EmulatedCpu:
     def wait_for_interrupt(self) -> None:
         """Sleep until at least one handler has run."""
         self._polls = 0
-        open_lines = self.open_lines
+        running = self.running
         if self._owner is not None:
-            while not self.pending & open_lines:
+            while not self.pending & running.open:
                 self._park_until(FAR)
         else:
             run_next = self.time.run_next
-            while not self.pending & open_lines:
+            while not self.pending & running.open:
                 run_next()
         self.serve()
 
@@ -223,62 +230,49 @@ class EmulatedCpu:
     @property
     def running_name(self) -> str:
         """Name of the task at work."""
-        return self._running.spec.name if self._running is not None else "main"
+        return self.running.spec.name
 
     def set_enabled(self, bit: int, enabled: bool) -> None:
         """Enable or disable a line for all priority levels."""
         self._enabled = self._enabled | bit if enabled else self._enabled & ~bit
-        self._thread_open = self._enabled | RESET_BIT
+        self._thread.open = self._enabled | RESET_BIT
         for line in self.lines.values():
-            line.open = line.above & self._thread_open
-        self.open_lines = self._running.open if self._running is not None else self._thread_open
-        if self.pending & self.open_lines and not self.parked:
+            line.open = line.above & self._thread.open
+        if self.pending & self.running.open and not self.parked:
             self.serve()
 
     def serve(self) -> None:
         """Run the handlers of all pending lines that are more urgent than the running task.
 
-        The hottest code of the emulator: accounting and the passing of the entry time stand inline.
+        The hottest code of the emulator: the passing of the entry time stands inline, and an activation
+        that went like the one before, undisturbed, is only counted.
         """
         time = self.time
-        outer = self._running
-        outer_nested_ns = self._nested_ns
-        polls = self._polls
-        outer_open = self._thread_open if outer is None else outer.open
-        while ready := self.pending & outer_open:
+        outer = self.running
+        nested_ns = self._nested_ns
+        while ready := self.pending & outer.open:
             bit = ready & -ready
             self.pending ^= bit
-            line = self._by_bit[bit]
+            self.running = line = self._by_bit[bit]
+            self._nested_ns = 0
             start = time.now
-            requested = line.pended_at
-            self.open_lines = line.open
-            self._running = line
-            self._nested_ns = self._polls = 0
+            waited = start - line.pended_at
             entered = start + self._entry_ns
             if entered < time.limit:
                 time.now = entered
             else:
                 self._pass_until(entered, stretch=False)
             line.handler()
-            end = time.now
-            line.activations += 1
-            busy = end - start - self._nested_ns
-            line.busy_ns += busy
-            outer_nested_ns += end - start
-            response = end - requested
-            if (
-                response > line.notable_ns
-                or busy > line.worst_busy_ns
-                or start - requested > line.worst_start_ns
-            ):
-                line.note(response, busy, start - requested)
+            took = time.now - start
+            if took == line.usual_ns and not waited and not self._nested_ns:
+                line.repeats += 1
+            else:
+                line.account(waited, took, self._nested_ns)
+            nested_ns += took
             if self._tracing:
-                self._trace(bit, start, end)
-            outer_open = self._thread_open if outer is None else outer.open
-        self.open_lines = outer_open
-        self._running = outer
-        self._nested_ns = outer_nested_ns
-        self._polls = polls
+                self._trace(bit, start, start + took)
+        self.running = outer
+        self._nested_ns = nested_ns
 
     # -- the passing of time -----------------------------------------------------------------------
 
@@ -290,7 +284,7 @@ class EmulatedCpu:
             return
         while time.next_due <= end:
             time.run_next_before(end)
-            if self.pending & self.open_lines:
+            if self.pending & self.running.open:
                 before = time.now
                 self.serve()
                 if stretch:
@@ -302,7 +296,7 @@ class EmulatedCpu:
         """The same for a further processor, which leaves the queue to the first one."""
         time = self.time
         while True:
-            if self.pending & self.open_lines:
+            if self.pending & self.running.open:
                 before = time.now
                 self.serve()
                 if stretch:
@@ -375,8 +369,8 @@ class EmulatedCpu:
         self.pending = self._enabled = 0
         for line in self.lines.values():
             line.open = RESET_BIT
-        self._thread_open = self.open_lines = RESET_BIT
-        self._running = None
+        self._thread.open = RESET_BIT
+        self.running = self._thread
         self._nested_ns = self._polls = 0
         raise ProcessorReset(self._reset_cause)
 

@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from hal.emulated.cpu import EmulatedCpu
 
 
+NEVER_YET = -1
+
+
 @dataclass(frozen=True)
 class LineSpec:
     """What the board description says of a line. `priority`: lower is more urgent."""
@@ -28,18 +31,20 @@ class EmulatedLine:
 
     __slots__ = (
         "_cpu",
+        "_others",
+        "_others_ns",
+        "_time",
         "above",
-        "activations",
         "bit",
-        "busy_ns",
         "deadline_misses",
         "deadline_ns",
         "handler",
-        "notable_ns",
         "open",
         "overruns",
         "pended_at",
+        "repeats",
         "spec",
+        "usual_ns",
         "worst_busy_ns",
         "worst_response_ns",
         "worst_start_ns",
@@ -47,6 +52,7 @@ class EmulatedLine:
 
     def __init__(self, cpu: EmulatedCpu, spec: LineSpec, bit: int) -> None:
         self._cpu = cpu
+        self._time = cpu.time
         self.spec = spec
         self.bit = bit
         self.above = 0
@@ -56,50 +62,73 @@ class EmulatedLine:
         self.deadline_ns = FAR if spec.deadline_ns is None else spec.deadline_ns
         self.handler: Callable[[], None] = _unattached
         self.pended_at = 0
-        self.activations = 0
         self.overruns = 0
         self.deadline_misses = 0
-        self.busy_ns = 0
-        self.notable_ns = 0
-        """A response that takes longer is the longest so far, or misses the deadline."""
+        self.usual_ns = NEVER_YET
+        """How long the handler took when it last began at once and was not interrupted."""
+        self.repeats = 0
+        """Activations that went just so, and are in no other figure."""
+        self._others = 0
+        self._others_ns = 0
         self.worst_busy_ns = 0
         self.worst_response_ns = 0
         self.worst_start_ns = 0
 
-    def note(self, response: int, busy: int, waited: int) -> None:
-        """An activation that took longer than any before in some respect (ns), or missed its deadline."""
+    @property
+    def activations(self) -> int:
+        """How often the handler has run."""
+        return self._others + self.repeats
+
+    @property
+    def busy_ns(self) -> int:
+        """Time in the handler, more urgent lines left out."""
+        return self._others_ns + self.repeats * self.usual_ns
+
+    def account(self, waited: int, took: int, nested: int) -> None:
+        """An activation unlike the one before: it began `waited` after the request and took `took`, of which
+        `nested` went to more urgent lines (ns).
+        """
+        response, busy = waited + took, took - nested
         self.worst_busy_ns = max(self.worst_busy_ns, busy)
         self.worst_start_ns = max(self.worst_start_ns, waited)
         self.worst_response_ns = max(self.worst_response_ns, response)
         self.deadline_misses += response > self.deadline_ns
-        self.notable_ns = min(self.worst_response_ns, self.deadline_ns)
+        self._others += 1
+        self._others_ns += busy
+        if not waited and not nested and took <= self.deadline_ns:
+            self._others += self.repeats
+            self._others_ns += self.repeats * self.usual_ns
+            self.repeats = 0
+            self.usual_ns = took
 
     def request(self) -> None:
         """A piece of hardware asks for service, from an event or while some firmware operates it."""
         cpu = self._cpu
         bit = self.bit
-        if cpu.pending & bit:
+        pending = cpu.pending
+        if pending & bit:
             self.overruns += 1
             return
-        cpu.pending |= bit
-        time = cpu.time
+        cpu.pending = pending | bit
+        time = self._time
         self.pended_at = now = time.now
-        if not cpu.parked:
-            if time.next_due > now:
-                time.look_now()
-        elif bit & cpu.open_lines:
-            cpu.rouse()
+        if cpu.parked:
+            if bit & cpu.running.open:
+                cpu.rouse()
+        elif time.next_due > now:
+            time.look_now()
 
     def pend(self) -> None:
         """The firmware asks for service; a more urgent line than the caller's runs before this returns."""
         cpu = self._cpu
         bit = self.bit
-        if cpu.pending & bit:
+        pending = cpu.pending
+        if pending & bit:
             self.overruns += 1
             return
-        cpu.pending |= bit
-        self.pended_at = cpu.time.now
-        if bit & cpu.open_lines:
+        cpu.pending = pending | bit
+        self.pended_at = self._time.now
+        if bit & cpu.running.open:
             cpu.serve()
 
     def enable(self) -> None:

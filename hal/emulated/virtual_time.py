@@ -14,6 +14,7 @@ FAR = 1 << 62
 """A time that is never reached (146 years)."""
 
 RELEASED = -1
+SENTINELS = 3
 
 Callback = Callable[[], int | None]
 
@@ -47,8 +48,8 @@ class VirtualTime:
         """Work that ends before this needs no look at the queue: `next_due`, or the end of the first
         processor's own work while a further processor runs."""
         self._horizon = FAR
-        # The last entry is never reached; with it the queue is never empty.
-        self._heap: list[list[Any]] = [[FAR, 0, 0, _nothing]]
+        # Entries that are never reached: the queue is never empty, and its first entry has two below it.
+        self._heap: list[list[Any]] = [[FAR, 0, 0, _nothing] for _ in range(SENTINELS)]
         self._created = 0
         self._dropped = 0
         """Events that were cancelled before they ran."""
@@ -56,7 +57,7 @@ class VirtualTime:
     @property
     def events_run(self) -> int:
         """How many callbacks have run (and returned)."""
-        return self._created - self._dropped - (len(self._heap) - 1)
+        return self._created - self._dropped - (len(self._heap) - SENTINELS)
 
     def at(self, time_ns: int, callback: Callback, priority: int = 0) -> Event:
         """Run `callback` at `time_ns`.
@@ -94,7 +95,10 @@ class VirtualTime:
         self._horizon = FAR
 
     def run_next(self) -> None:
-        """Move to the earliest event's time and run it. There must be one."""
+        """Move to the earliest event's time and run it. There must be one.
+
+        What repeats before all others come needs no sorting: it stays at the head of the heap.
+        """
         heap = self._heap
         entry = heap[0]
         callback = entry[3]
@@ -102,14 +106,15 @@ class VirtualTime:
             heappop(heap)
             self._dropped += 1
         else:
-            self.now = entry[0]
+            self.now = now = entry[0]
             again = callback()
             if again is not None and heap[0] is entry and entry[3] is not None:
+                if again < now:
+                    raise ValueError(f"event repeats at {again} ns, before now ({now} ns)")
                 entry[0] = again
                 self._created = entry[2] = self._created + 1
-                heapreplace(heap, entry)
-                if again < self.now:
-                    raise ValueError(f"event repeats at {again} ns, before now ({self.now} ns)")
+                if again >= heap[1][0] or again >= heap[2][0]:
+                    heapreplace(heap, entry)
             else:
                 self._put_away(entry, again)
         self.next_due = self.limit = heap[0][0]
