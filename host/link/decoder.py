@@ -36,6 +36,7 @@ from firmware.link.frames import (
     TASKS,
     TEXT,
 )
+from firmware.link.raw_frames import RAW_START
 from host.link.messages import (
     Bias,
     Covariance,
@@ -48,6 +49,7 @@ from host.link.messages import (
     TaskFigures,
     Tasks,
 )
+from host.link.raw import open_raw
 
 SENTENCE: Final = 0x100
 """Kind under which an NMEA sentence is given out, `$` … checksum without CR LF."""
@@ -107,7 +109,7 @@ class LinkDecoder:
                 at = pending.find(SYNC, between)
                 continue
             at = pending.find(SYNC, at + 1)
-        keep = len(pending) if final else self._undecided(pending, between, at)
+        keep = len(pending) if final else max(self._undecided(pending, between, at), between)
         if keep > between:
             self._between(pending[between:keep], found)
         del self._pending[:keep]
@@ -166,6 +168,8 @@ def open_payload(kind: int, payload: bytes) -> Message | None:
         return _FIXED[kind](layout.unpack(payload)) if layout.size == len(payload) else None
     if kind in (TEXT, SENTENCE):
         return payload.decode(errors="replace")
+    if kind >= RAW_START:
+        return open_raw(kind, payload)
     if kind == TASKS and _rows(payload, LIST_HEAD.size, TASK_ROW.size):
         return _tasks(payload)
     if kind == SATELLITES and _rows(payload, SATELLITE_HEAD.size, SATELLITE_ROW.size):

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.drivers.satellite_lists import SatelliteInView
+from host.link.raw import RawInput, RawSlice
 
 DYNAMIC_STATES = 9
 """δr NED, δv NED, φ in n."""
@@ -178,7 +179,9 @@ class Satellites(NamedTuple):
     satellites: tuple[SatelliteInView, ...]
 
 
-Message = Solution | Covariance | Innovation | Bias | Status | Gnss | Tasks | Satellites | str
+Message = (
+    Solution | Covariance | Innovation | Bias | Status | Gnss | Tasks | Satellites | RawInput | RawSlice | str
+)
 """A str is a TEXT, or an NMEA sentence."""
 
 SOLUTION_DTYPE = np.dtype(

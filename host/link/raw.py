@@ -1,0 +1,37 @@
+"""Raw frames opened: what navigation took in (`firmware.link.raw_frames`), and copies of its memory."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from firmware.link.raw_frames import INPUTS, RAW_STATE, SLICE_HEAD
+
+
+class RawInput(NamedTuple):
+    """One input; `values` as the layout of its kind has them behind the number."""
+
+    kind: int
+    number: int
+    values: tuple[Any, ...]
+
+
+class RawSlice(NamedTuple):
+    """A part of a copy of the memory as it was before input `number`."""
+
+    number: int
+    place: int
+    places: int
+    data: bytes
+
+
+def open_raw(kind: int, payload: bytes) -> RawInput | RawSlice | None:
+    """The message in a raw frame's payload; None when its type or length is not known."""
+    layout = INPUTS.get(kind)
+    if layout is not None:
+        if len(payload) != layout.size:
+            return None
+        number, *values = layout.unpack(payload)
+        return RawInput(kind, number, tuple(values))
+    if kind == RAW_STATE and len(payload) > SLICE_HEAD.size:
+        return RawSlice(*SLICE_HEAD.unpack_from(payload), payload[SLICE_HEAD.size :])
+    return None
