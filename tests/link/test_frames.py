@@ -129,6 +129,18 @@ def test_frames_are_found_behind_garbage(garbage, count):
     )
 
 
+def test_a_checksum_that_ends_like_a_frame_begins_leaves_nothing_behind():
+    """One frame in 256 ends with the first sync byte; no byte of it is garbage, whatever comes next."""
+    writer, decoder = frames.FrameWriter(), LinkDecoder()
+    ended_so = 0
+    for _ in range(1500):
+        frame = writer.text("mode")
+        ended_so += frame.endswith(b"\xa5")
+        assert decoder.feed(frame) == [(frames.TEXT, "mode")]
+    assert ended_so >= 1
+    assert decoder.garbage_bytes == 0
+
+
 def test_a_false_start_does_not_swallow_what_follows():
     data, sent = transmission(frames.FrameWriter())
     decoder = LinkDecoder()
