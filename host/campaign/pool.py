@@ -2,7 +2,7 @@
 
 `concurrent.futures` gives up all waiting work when one process dies, so the few lines of supervision stand
 here. Workers end by themselves when the process that started them is gone, at the latest at the next look at
-the wires (`host.run.runner.CHUNK_NS`).
+the wires (`host.run.session.CHUNK_NS`).
 """
 
 from __future__ import annotations

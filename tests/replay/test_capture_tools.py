@@ -22,7 +22,7 @@ from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.replay.request import ReplayRequest
 from host.replay.strict import replay_strict
-from host.run import runner
+from host.run import runner, session
 
 SECOND = 1_000_000_000
 
@@ -85,7 +85,7 @@ def kill_at(moment_ns, out):
     """Run in a process that dies by SIGKILL at a virtual time."""
     child = os.fork()
     if child == 0:
-        make_ready = runner._make_ready
+        make_ready = session.make_ready
 
         def make_ready_to_die(*arguments):
             ready = make_ready(*arguments)
@@ -93,7 +93,7 @@ def kill_at(moment_ns, out):
             return ready
 
         with contextlib.suppress(BaseException):
-            runner._make_ready = make_ready_to_die
+            session.make_ready = make_ready_to_die
             runner.run(RunRequest("car_mems", "town-open", None, 1, ("duration_s=100",), out_dir=out))
         os._exit(1)
     _, status = os.waitpid(child, 0)
