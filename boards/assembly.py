@@ -89,7 +89,7 @@ def assemble(description: Board, profile: Mapping[str, Any], surroundings: Surro
     _wires(board)
     for refdes, chip in description.chips.items():
         _place_chip(board, refdes, chip, surroundings)
-    installation = _installation(description)
+    installation = installation_of(description)
     for name, processor in description.processors.items():
         io = _board_io(board, name, surroundings)
         board.programs[name] = _program(processor, io, profile, installation, name)
@@ -138,7 +138,8 @@ def _wires(board: AssembledBoard) -> None:
         board.ports[name] = EmulatedUart(board.cpus[port.processor], outward, inward, name)
     for name, can in description.can.items():
         board.can_buses[name] = EmulatedCanBus(board.time, can.bitrate, name)
-        board._can_ports[name] = EmulatedCanController(board.cpus[can.processor], board.can_buses[name])
+        node = EmulatedCanController(board.cpus[can.processor], board.can_buses[name], can.processor)
+        board._can_ports[name] = node
 
 
 def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Surroundings) -> None:
@@ -236,7 +237,7 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
     )
 
 
-def _installation(description: Board) -> dict[str, Any]:
+def installation_of(description: Board) -> dict[str, Any]:
     """Mounting and lever arm of each device, by the firmware's name for it."""
     chips = {
         chip.name or chip.uart or refdes: {"C_b_s": chip.mounting, "lever_arm_m": chip.lever_arm_m}
