@@ -22,15 +22,6 @@ SIGMA_VELOCITY: Final = 13
 SIGMA_YAW: Final = 18
 SOLUTION_FLOATS: Final = 19
 
-# Places in the integers that go with it.
-LAT_NANODEG: Final = 0
-LON_NANODEG: Final = 1
-TIME_OF_DAY_MS: Final = 2
-MODE: Final = 3
-FLAGS: Final = 4
-COUNTER: Final = 5
-INTEGERS: Final = 6
-
 HALF = np.float32(0.5)
 ZERO = np.float32(0.0)
 MILLI = np.float32(1000.0)
@@ -80,39 +71,33 @@ def tenth_microdegrees(nanodeg):
     return -value if nanodeg < 0 else value
 
 
-@kernel("void(float32[::1], int64[::1], uint8[::1])")
-def scale_solution(f, i, data):
-    """Write the 40 bytes of the five frames; `f`, `i` as named above."""
-    put(data, 0, tenth_microdegrees(i[LAT_NANODEG]), 4)
-    put(data, 4, tenth_microdegrees(i[LON_NANODEG]), 4)
-    put(data, 8, rounded(f[HEIGHT] * MILLI, -LARGEST_MM, LARGEST_MM), 4)
-    put(data, 12, i[TIME_OF_DAY_MS], 4)
+@kernel
+def scale_motion(f, data, at):
+    """Bytes 8 … 11 and 16 … 31 of the frames from `at` on: height, velocity, speed, angles, yaw rate."""
+    put(data, at + 8, rounded(f[HEIGHT] * MILLI, -LARGEST_MM, LARGEST_MM), 4)
     for k in range(np.int32(3)):
-        put(data, 16 + 2 * k, signed_16(f[VELOCITY + k] * CENTI), 2)
+        put(data, at + 16 + 2 * k, signed_16(f[VELOCITY + k] * CENTI), 2)
     north = f[VELOCITY]
     east = f[VELOCITY + 1]
     speed = np.float32(math.sqrt(north * north + east * east))
-    put(data, 22, rounded(speed * CENTI, ZERO, UINT16_LARGEST), 2)
+    put(data, at + 22, rounded(speed * CENTI, ZERO, UINT16_LARGEST), 2)
     yaw = rounded(f[YAW] * CENTIDEG, ZERO, UINT16_LARGEST)
-    put(data, 24, 0 if yaw == FULL_TURN else yaw, 2)
-    put(data, 26, signed_16(f[PITCH] * CENTIDEG), 2)
-    put(data, 28, signed_16(f[ROLL] * CENTIDEG), 2)
-    put(data, 30, signed_16(f[YAW_RATE] * CENTIDEG), 2)
-    put(data, 32, i[MODE] & 15 | (i[COUNTER] & 15) << 4, 1)
-    put(data, 33, i[FLAGS], 2)
-    scale_sigmas(f, data)
+    put(data, at + 24, 0 if yaw == FULL_TURN else yaw, 2)
+    put(data, at + 26, signed_16(f[PITCH] * CENTIDEG), 2)
+    put(data, at + 28, signed_16(f[ROLL] * CENTIDEG), 2)
+    put(data, at + 30, signed_16(f[YAW_RATE] * CENTIDEG), 2)
 
 
 @kernel
-def scale_sigmas(f, data):
+def scale_sigmas(f, data, at):
     """Bytes 35 … 39: sigmas of position, height, velocity and yaw."""
     north = f[SIGMA_POSITION]
     east = f[SIGMA_POSITION + 1]
     across = np.float32(math.sqrt(north * north + east * east))
-    put(data, 35, rounded(across * CENTI, ZERO, UINT16_LARGEST), 2)
-    put(data, 37, rounded(f[SIGMA_POSITION + 2] * TENTH, ZERO, UINT8_LARGEST), 1)
+    put(data, at + 35, rounded(across * CENTI, ZERO, UINT16_LARGEST), 2)
+    put(data, at + 37, rounded(f[SIGMA_POSITION + 2] * TENTH, ZERO, UINT8_LARGEST), 1)
     north = f[SIGMA_VELOCITY]
     east = f[SIGMA_VELOCITY + 1]
     across = np.float32(math.sqrt(north * north + east * east))
-    put(data, 38, rounded(across * FIFTIETH, ZERO, UINT8_LARGEST), 1)
-    put(data, 39, rounded(f[SIGMA_YAW] * DECIDEG, ZERO, UINT8_LARGEST), 1)
+    put(data, at + 38, rounded(across * FIFTIETH, ZERO, UINT8_LARGEST), 1)
+    put(data, at + 39, rounded(f[SIGMA_YAW] * DECIDEG, ZERO, UINT8_LARGEST), 1)

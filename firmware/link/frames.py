@@ -110,6 +110,12 @@ class FrameWriter:
             part = b"".join(packed[number * SATELLITES_A_FRAME : (number + 1) * SATELLITES_A_FRAME])
             yield self._copy(SATELLITES, SATELLITE_HEAD.pack(time_us, number, frames) + part)
 
+    def next_sequence(self) -> int:
+        """Number of a frame that is packed elsewhere."""
+        sequence = self._sequence
+        self._sequence = (sequence + 1) & 0xFF
+        return sequence
+
     def _copy(self, kind: int, payload: bytes) -> bytes:
         length = len(payload)
         buffer = self._buffer

@@ -10,16 +10,24 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 
-from firmware.link.can_output import CanOutput
+from firmware.link.frames import FrameWriter
+from firmware.link.solution_output import SolutionOutput
+from hal.can import CanFrame
 
 DBC = Path(__file__).parents[2] / "boards" / "car_mems" / "car_mems.dbc"
 DATABASE = cantools.database.load_file(DBC)
 
 
+def can_set(output: SolutionOutput, floats: list[float], **changes: int) -> tuple[CanFrame, ...]:
+    told = {"lat_nanodeg": 0, "lon_nanodeg": 0, "time_of_day_ms": 0, "mode": 3, "flags": 0} | changes
+    places = ("lat_nanodeg", "lon_nanodeg", "mode", "flags")
+    integers = np.array([0, *(told[name] for name in places)], np.int64)
+    return output.pack(np.array(floats, np.float32), integers, 0, told["time_of_day_ms"], 0)[1]
+
+
 def decode(floats: list[float], **changes: int) -> dict[str, Any]:
-    integers = {"lat_nanodeg": 0, "lon_nanodeg": 0, "time_of_day_ms": 0, "mode": 3, "flags": 0} | changes
     signals: dict[str, Any] = {}
-    for frame in CanOutput().frames(floats, **integers):
+    for frame in can_set(SolutionOutput(FrameWriter()), floats, **changes):
         assert len(frame.data) == 8
         assert not frame.extended
         signals |= DATABASE.decode_message(frame.identifier, frame.data, decode_choices=False)
@@ -105,15 +113,15 @@ def test_an_unknown_time():
 
 
 def test_the_counter_runs_with_each_set():
-    output = CanOutput()
-    counters = [output.frames([0.0] * 19, 0, 0, 0, 3, 0)[4].data[0] >> 4 for _ in range(18)]
+    output = SolutionOutput(FrameWriter())
+    counters = [can_set(output, [0.0] * 19)[4].data[0] >> 4 for _ in range(18)]
     assert counters == [*range(16), 0, 1]
 
 
 def test_identifiers_are_those_of_the_dbc():
-    frames = CanOutput().frames(np.zeros(19, np.float64), 0, 0, 0, 3, 0)
+    frames = can_set(SolutionOutput(FrameWriter()), [0.0] * 19)
     assert [frame.identifier for frame in frames] == sorted(m.frame_id for m in DATABASE.messages)
-    assert [f.identifier for f in CanOutput(0x7FB).frames([0.0] * 19, 0, 0, 0, 3, 0)][-1] == 0x7FF
+    assert can_set(SolutionOutput(FrameWriter(), 0x7FB), [0.0] * 19)[-1].identifier == 0x7FF
     for base in (0x7FC, -1):
         with pytest.raises(ValueError, match="for 5 frames 0x0 … 0x7fb is possible"):
-            CanOutput(base)
+            SolutionOutput(FrameWriter(), base)

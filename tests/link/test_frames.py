@@ -11,6 +11,7 @@ from link_samples import COVARIANCE, FIXED, SATELLITES, SOLUTION, TASKS, transmi
 
 from firmware.link import frames
 from firmware.link.crc import crc16
+from firmware.link.solution_output import SolutionOutput
 from host.link import messages as msg
 from host.link.decoder import SENTENCE, LinkDecoder
 
@@ -54,6 +55,27 @@ def test_values_that_do_not_fit_are_refused():
         writer.pack(frames.SOLUTION, -1, *SOLUTION[1:])
     with pytest.raises(struct.error):
         writer.pack(frames.SOLUTION, *SOLUTION[:-1])
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    some.lists(some.floats(width=32, allow_nan=False), min_size=19, max_size=19),
+    some.tuples(some.integers(0, 2**53), some.integers(0, 2**32 - 1), some.integers(0, 2**16 - 1)),
+    some.tuples(
+        *[some.integers(-(2**63), 2**63 - 1)] * 2, some.integers(0, 255), some.integers(0, 2**16 - 1)
+    ),
+    some.integers(0, 300),
+)
+def test_a_solution_packed_for_both_ports_is_the_frame_of_its_layout(numbers, times, integers, sent_before):
+    latitude, longitude, mode, flags = integers
+    plain, writer = frames.FrameWriter(), frames.FrameWriter()
+    output = SolutionOutput(writer)
+    for _ in range(sent_before):
+        assert plain.text("x") == writer.text("x")
+    record = np.array([0, latitude, longitude, mode, flags], np.int64)
+    frame, _ = output.pack(np.array(numbers, np.float32), record, *times)
+    assert frame == plain.pack(frames.SOLUTION, *times, mode, flags, latitude, longitude, *numbers)
+    assert writer.text("next") == plain.text("next")
 
 
 def test_long_texts_are_cut_at_a_whole_character():

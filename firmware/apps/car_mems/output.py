@@ -11,8 +11,8 @@ from firmware.apps.car_mems.own_fix import own_fix
 from firmware.apps.car_mems.settings import Settings
 from firmware.drivers import gnss_epoch as gnss
 from firmware.link import frames
-from firmware.link.can_output import CanOutput
 from firmware.link.nmea_output import NmeaWriter
+from firmware.link.solution_output import SolutionOutput
 from firmware.nav import layout
 from firmware.nav import solution as record
 from hal.board_io import BoardIo
@@ -53,7 +53,7 @@ class Output:
         self._slow_cost = io.cpu.cost("slow_frames")
         self._log_cost = io.cpu.cost("log_block")
         self._can = io.can.get("can1")
-        self._can_frames = CanOutput().frames
+        self._pack_solution = SolutionOutput(self._writer).pack
         self._can_cost = io.cpu.cost("can_set")
         self._nmea = NmeaWriter()
         self._nmea_cost = io.cpu.cost("nmea_set")
@@ -67,13 +67,16 @@ class Output:
 
     def send(self) -> None:
         """The solution at the output rate."""
-        f, (time_ns, lat, lon, mode, flags) = self._solution()
-        time_of_day, date = self._utc(time_ns)
+        navigation = self._navigation
+        navigation.fill_solution()
+        time_ns, _latitude, _longitude, self.mode, self.flags = navigation.integers.tolist()
         time_us = time_ns // 1000 if time_ns > 0 else 0
-        self._send_frame(frames.SOLUTION, time_us, time_of_day, date, mode, flags, lat, lon, *f)
+        frame, messages = self._pack_solution(
+            navigation.floats, navigation.integers, time_us, *self._utc(time_ns)
+        )
+        self._send(frame)
         self._cpu.spend(self._frame_cost)
         if self._can is not None:
-            messages = self._can_frames(self._navigation.floats, lat, lon, time_of_day, mode, flags)
             self.dropped += len(messages) - self._can.send(messages)
             self._cpu.spend(self._can_cost)
 
