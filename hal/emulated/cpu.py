@@ -155,7 +155,7 @@ class EmulatedCpu:
             self._polls += 1
             time.now = now
         else:
-            self.poll()
+            self._poll_slowly()
             now = time.now
         return (now - self._boot_ns) * self._clock_rate // SECOND
 
@@ -219,6 +219,16 @@ class EmulatedCpu:
 
     def poll(self) -> None:
         """One read of a register: takes a few cycles, and too many of them in a row are an error."""
+        time = self.time
+        now = time.now + self._access_ns
+        if now < time.limit and self._polls < POLL_LIMIT:
+            self._polls += 1
+            time.now = now
+        else:
+            self._poll_slowly()
+
+    def _poll_slowly(self) -> None:
+        """The same where something is due meanwhile, or the limit is reached."""
         self._polls += 1
         if self._polls > POLL_LIMIT:
             raise SpinError(

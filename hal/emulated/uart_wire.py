@@ -59,12 +59,12 @@ class UartWire:
 
     def send(self, data: bytes) -> int:
         """Queue bytes behind what is still being sent; returns how many found room."""
-        room = self.free
+        data = bytes(data)
         taken = len(data)
+        room = self.capacity if self._end <= self.time.now else self.free
         if room is not None and taken > room:
             taken = room
             data = data[:taken]
-        data = bytes(data)
         for fault in self._faults:
             data = fault.sent(data)
         if data:
@@ -181,31 +181,39 @@ class UartWire:
     # ----------------------------------------------------------------------------------------------
 
     def _put_on_line(self, data: bytes) -> None:
-        now = self.time.now
-        baud = self.forced_baud or self.baud
-        queue = self._queue
-        if self._end <= now:
-            queue.clear()
-            piece = SentBytes(data, now, 0, baud)
-        else:
-            self._forget_sent()
-            last = queue[-1]
-            if last.baud == baud:
-                piece = SentBytes(data, last.start, last.first + len(last.data), baud)
-            else:
-                piece = SentBytes(data, self._end, 0, baud)
-        queue.append(piece)
-        self._end = piece.end
-        self._line_ns += piece.end - piece.begin
+        piece = self._behind_the_queue(data)
+        self._queue.append(piece)
+        self._end = end = piece.end
+        self._line_ns += end - piece.begin
         self.bytes_sent += len(data)
-        if self._stepping and len(queue) == 1 and not any(fault.frame_by_frame for fault in self._faults):
-            self._stepping = False
         if self._stepping:
-            self._to_step.append(piece)
-            self._stepper.by(self._to_step[0].begin)
+            self._send_stepping(piece)
         else:
             for receiver in self._receivers:
                 receiver.announce(piece)
+
+    def _behind_the_queue(self, data: bytes) -> SentBytes:
+        """Where the line carries these bytes: now, or behind what is still being sent."""
+        now = self.time.now
+        baud = self.forced_baud or self.baud
+        if self._end <= now:
+            self._queue.clear()
+            return SentBytes(data, now, 0, baud)
+        self._forget_sent()
+        last = self._queue[-1]
+        if last.baud == baud:
+            return SentBytes(data, last.start, last.first + len(last.data), baud)
+        return SentBytes(data, self._end, 0, baud)
+
+    def _send_stepping(self, piece: SentBytes) -> None:
+        """The same while faults look at each byte, until the line has been idle without them."""
+        if len(self._queue) == 1 and not any(fault.frame_by_frame for fault in self._faults):
+            self._stepping = False
+            for receiver in self._receivers:
+                receiver.announce(piece)
+        else:
+            self._to_step.append(piece)
+            self._stepper.by(self._to_step[0].begin)
 
     def _forget_sent(self) -> None:
         queue = self._queue
