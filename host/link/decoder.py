@@ -83,6 +83,10 @@ class LinkDecoder:
         """No more bytes will come: what is left, looking into frames that were cut off."""
         return self._open_all(self._split(final=True))
 
+    def finish_raw(self) -> list[tuple[int, bytes]]:
+        """The same, payloads as they came."""
+        return self._split(final=True)
+
     def feed_raw(self, data: bytes) -> list[tuple[int, bytes]]:
         """Frames completed by `data`, their payloads as they came; of sentences, their text."""
         self._pending += data

@@ -33,5 +33,6 @@ def open_raw(kind: int, payload: bytes) -> RawInput | RawSlice | None:
         number, *values = layout.unpack(payload)
         return RawInput(kind, number, tuple(values))
     if kind == RAW_STATE and len(payload) > SLICE_HEAD.size:
-        return RawSlice(*SLICE_HEAD.unpack_from(payload), payload[SLICE_HEAD.size :])
+        number, place, places = SLICE_HEAD.unpack_from(payload)
+        return RawSlice(number, place, places, payload[SLICE_HEAD.size :])
     return None

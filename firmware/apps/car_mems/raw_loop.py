@@ -11,7 +11,6 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from firmware.apps.car_mems.acquisition import Acquisition
 from firmware.apps.car_mems.bench import Bench
@@ -24,7 +23,7 @@ from firmware.drivers.bmi160_sample import BURST_LENGTH
 from firmware.link import frames
 from firmware.link import raw_frames as raw
 from firmware.link.crc import crc16
-from firmware.nav import layout
+from firmware.nav import layout, tuning
 from firmware.numerics.dialect import entry_point
 
 
@@ -117,9 +116,18 @@ class RawLoop:
             return f"i[{(offset - f.nbytes) // 8}]"
         return f"epoch.{gnss.FIELD_NAMES[(offset - f.nbytes - i.nbytes) // 8]}"
 
-    def configuration(self) -> NDArray[np.uint8]:
-        """The bytes of `memory` that only the configuration decides."""
+    def configuration(self) -> dict[str, float]:
+        """What only the configuration decides, by place."""
         f, i = self._navigation.f, self._navigation.i
-        held_f = f[layout.CONFIG : layout.F_SIZE].tobytes()
-        held_i = i[layout.SWITCHES : layout.I_SIZE].tobytes()
-        return np.frombuffer(held_f + held_i, np.uint8)
+        floats = {_tuning_name(k): float(f[k]) for k in range(layout.CONFIG, layout.F_SIZE)}
+        return floats | {
+            _tuning_name(k, integer=True): int(i[k]) for k in range(layout.SWITCHES, layout.I_SIZE)
+        }
+
+
+def _tuning_name(place: int, integer: bool = False) -> str:
+    """Name of a place of the configuration, as in `firmware.nav.tuning`; behind the first of several +k."""
+    names = {value: name for name, value in vars(tuning).items() if name.isupper() and isinstance(value, int)}
+    first = max((at for at in names if at <= place and (at >= layout.CONFIG) != integer), default=place)
+    name = names.get(first, "i" if integer else "f")
+    return name if place == first else f"{name}+{place - first}"

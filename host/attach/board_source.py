@@ -1,0 +1,181 @@
+"""Where a board's bytes come from: a serial port, with the time at which they came, or a capture."""
+
+from __future__ import annotations
+
+import queue
+import stat
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from hal.live.port import PortError, is_device
+from hal.live.serial_link import SerialLink
+from host.capture.blocks import UartChunk
+from host.capture.places import capture_path
+from host.capture.reader import CaptureReader
+from host.record.errors import UserError
+
+TICK_S = 0.1
+RATES = (230_400, 115_200, 460_800, 921_600, 57_600, 38_400, 19_200, 9_600)
+"""In the order in which they are tried when what comes at the board's own rate makes no sense."""
+ENOUGH_BYTES = 300
+"""So many without a whole frame in so long a time: the rate is wrong."""
+ENOUGH_S = 1.5
+
+
+@dataclass(frozen=True, slots=True)
+class Chunk:
+    """Bytes that had come by `time_ns` of the source's clock; `note` is for people."""
+
+    time_ns: int
+    data: bytes = b""
+    note: str = ""
+
+
+class BoardSource(Protocol):
+    """What the session listens to."""
+
+    name: str
+    live: bool
+    """Whether it goes on for ever, in real time."""
+
+    def chunks(self) -> Iterator[Chunk]:
+        """All that comes, with an empty chunk now and then when nothing does; ends with the source."""
+        ...
+
+    def understood(self) -> None:
+        """A whole frame was among what came."""
+        ...
+
+    def figures(self) -> dict[str, Any]:
+        """Of the line, for `--json`."""
+        ...
+
+    def close(self) -> None:
+        """Let go of it."""
+        ...
+
+
+def open_source(given: str, port: str, baud: int | None, board_baud: int) -> BoardSource:
+    """A capture when `given` is a file or a run's folder, else a port. Raises UserError."""
+    if is_device(given):
+        path = Path(given)
+        if path.is_dir() or (path.exists() and stat.S_ISREG(path.stat().st_mode)):
+            return CapturedBoard(capture_path(path), port)
+    try:
+        return SerialBoard(given, baud, board_baud)
+    except PortError as error:
+        raise UserError(f"--port {error}") from None
+
+
+class SerialBoard:
+    """A board on a port. Without a rate given, others are tried when the board's own one says nothing."""
+
+    live = True
+
+    def __init__(self, url: str, baud: int | None, board_baud: int) -> None:
+        self.name = url
+        self._search = baud is None and not url.startswith("socket://")
+        self._rates = [rate for rate in RATES if rate != board_baud]
+        self._arrived: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
+        self._begin_ns = time.monotonic_ns()
+        self._understood = False
+        self._bytes_at_rate = 0
+        self._rate_since_ns = 0
+        self._told_silent = False
+        self._link = SerialLink(url, baud or board_baud, self._arrive)
+        self._link.on_change = self._changed
+
+    def chunks(self) -> Iterator[Chunk]:
+        """For ever."""
+        while True:
+            try:
+                chunk = self._arrived.get(timeout=TICK_S)
+            except queue.Empty:
+                chunk = Chunk(self._now_ns())
+            yield chunk
+            self._bytes_at_rate += len(chunk.data)
+            note = self._look(chunk.time_ns)
+            if note:
+                yield Chunk(chunk.time_ns, note=note)
+
+    def understood(self) -> None:
+        """The rate is right."""
+        self._understood = True
+
+    def figures(self) -> dict[str, Any]:
+        """Rate, bytes, losses of the port."""
+        counters = self._link.counters
+        return {
+            "baud": self._link.baud,
+            "bytes_received": counters.bytes_received,
+            "port_losses": counters.losses,
+            "port_reopenings": counters.reopenings,
+        }
+
+    def close(self) -> None:
+        """Close the port."""
+        self._link.close()
+
+    def _now_ns(self) -> int:
+        return time.monotonic_ns() - self._begin_ns
+
+    def _arrive(self, data: bytes) -> None:
+        self._arrived.put(Chunk(self._now_ns(), data))
+
+    def _changed(self, there: bool) -> None:
+        word = "the port is there again" if there else "the port has vanished; waiting for it"
+        self._arrived.put(Chunk(self._now_ns(), note=word))
+
+    def _look(self, now_ns: int) -> str:
+        """Try another rate, or tell what is wrong; empty: nothing to tell."""
+        if self._understood or now_ns - self._rate_since_ns < ENOUGH_S * 1e9:
+            return ""
+        baud = self._link.baud
+        if self._bytes_at_rate >= ENOUGH_BYTES:
+            told = f"{self._bytes_at_rate} bytes at {baud} baud and not one frame"
+            if self._search:
+                self._rates.append(baud)
+                self._link.set_baud(self._rates.pop(0))
+                told += f"; trying {self._link.baud} baud"
+            else:
+                told += "; is that the board's rate, and its link?"
+        elif self._bytes_at_rate == 0 and not self._told_silent:
+            self._told_silent = True
+            told = "nothing comes from the port; is the board powered, and its TX wired to our RX?"
+        else:
+            return ""
+        self._rate_since_ns = now_ns
+        self._bytes_at_rate = 0
+        return told
+
+
+class CapturedBoard:
+    """A board's output in a capture."""
+
+    live = False
+
+    def __init__(self, path: Path, port: str) -> None:
+        self.name = str(path)
+        self._port = port
+        self._reader = CaptureReader(path)
+        self._bytes = 0
+
+    def chunks(self) -> Iterator[Chunk]:
+        """All that was recorded of the port."""
+        for record in self._reader:
+            if isinstance(record, UartChunk) and (record.port, record.direction) == (self._port, "tx"):
+                self._bytes += len(record.data)
+                yield Chunk(record.end_ns, record.data)
+
+    def understood(self) -> None:
+        """A capture has no rate."""
+
+    def figures(self) -> dict[str, Any]:
+        """What was read."""
+        return {"bytes_received": self._bytes, "capture_complete": self._reader.complete}
+
+    def close(self) -> None:
+        """Nothing is held."""

@@ -1,0 +1,92 @@
+"""`navtwin attach`: real hardware beside the twin."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from host.cli.exit_codes import guarded
+
+app = typer.Typer(
+    help="Real hardware: a board that is shadowed, a receiver in the emulated one's place.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+BoardName = Annotated[str, typer.Option("--board", "-b", metavar="NAME|DIR", help="Which board it is.")]
+Profile = Annotated[
+    str | None, typer.Option("--profile", "-p", metavar="NAME", help="Default: the board's own.")
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="As of navtwin run. May be repeated."),
+]
+Seconds = Annotated[
+    float | None,
+    typer.Option("--seconds", metavar="N", min=0.0, help="End after so long. Default: at Ctrl-C."),
+]
+Json = Annotated[
+    str | None, typer.Option("--json", metavar="FILE|-", help="All figures as JSON; - is standard output.")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No live view, no tables.")]
+
+
+@app.callback()
+def _group() -> None:
+    """Real hardware: a board that is shadowed, a receiver in the emulated one's place."""
+
+
+@app.command("board")
+def board_command(
+    port: Annotated[
+        str,
+        typer.Option(
+            "--port",
+            metavar="URL|CAPTURE",
+            help="/dev/ttyUSB0, socket://HOST:PORT, rfc2217://HOST:PORT; or a capture, or a run's folder.",
+        ),
+    ],
+    board: BoardName = "car_mems",
+    profile: Profile = None,
+    changes: Changes = None,
+    baud: Annotated[
+        int | None,
+        typer.Option("--baud", metavar="N", help="Default: the board's own; if that is wrong, others."),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="DIR", help="Recording. Default: runs/BOARD-attached-DATE for a port."),
+    ] = None,
+    seconds: Seconds = None,
+    json: Json = None,
+    no_shadow: Annotated[
+        bool, typer.Option("--no-shadow", help="Show and record only; compare nothing.")
+    ] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Show, record and shadow a real board that speaks our link.
+
+    The twin runs the same firmware on the raw frames that the board sends (profile key raw_output) and
+    compares every solution, bit for bit. Ends with 0: all equal, 1: a difference, 2: bad input or port, or
+    nothing to compare.
+    """
+
+    def command() -> int:
+        from host.cli.attach_run_board import BoardRequest, attach_board
+
+        request = BoardRequest(
+            port=port,
+            board=board,
+            profile=profile,
+            overrides=tuple(changes or ()),
+            baud=baud,
+            out_dir=out,
+            seconds=seconds,
+            shadow=not no_shadow,
+        )
+        return attach_board(request, json, quiet)
+
+    guarded(command)

@@ -1,0 +1,223 @@
+"""What `navtwin attach board` does and prints."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.live import Live
+
+from host.attach.board_recording import BoardRecording
+from host.attach.board_session import Attachment, BoardSession
+from host.attach.board_setup import BoardSetup, board_setup
+from host.attach.board_source import BoardSource, open_source
+from host.attach.shadow import Shadow
+from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.terminal import standard_error, standard_output
+from host.link.messages import Message
+from host.monitor.view import MonitorView
+from host.record.atomic import write_whole
+from host.record.errors import UserError
+from host.run.intake import HOST_PORT
+
+STANDARD_OUTPUT = "-"
+REFRESH_S = 0.2
+
+
+@dataclass(frozen=True, slots=True)
+class BoardRequest:
+    """What was asked for."""
+
+    port: str
+    board: str
+    profile: str | None
+    overrides: tuple[str, ...]
+    baud: int | None
+    out_dir: Path | None
+    seconds: float | None
+    shadow: bool
+
+
+def attach_board(request: BoardRequest, json_to: str | None, quiet: bool) -> int:
+    """Attach, print, write; the exit code. Raises UserError for what the user can mend."""
+    setup = board_setup(request.board, request.profile, request.overrides)
+    shadow = Shadow(setup.loop()) if request.shadow else None
+    source = open_source(request.port, HOST_PORT, request.baud, setup.port_baud)
+    console = standard_error() if json_to == STANDARD_OUTPUT else standard_output()
+    try:
+        attachment, out_dir = _attached(request, setup, source, shadow, quiet)
+    finally:
+        source.close()
+    _write(attachment, setup, json_to)
+    _tell(console, setup, attachment, out_dir, quiet)
+    return _verdict(attachment, request)
+
+
+def _attached(
+    request: BoardRequest, setup: BoardSetup, source: BoardSource, shadow: Shadow | None, quiet: bool
+) -> tuple[Attachment, Path | None]:
+    out_dir = request.out_dir
+    if out_dir is None and source.live:
+        out_dir = Path("runs") / f"{setup.board.name}-attached-{time.strftime('%Y%m%d-%H%M%S')}"
+    recording = None if out_dir is None else BoardRecording(out_dir, setup.manifest(source.name), HOST_PORT)
+    try:
+        with _screen(setup, source, quiet) as screen:
+            session = BoardSession(source, shadow, recording, screen.show, screen.notice)
+            screen.begin(session)
+            try:
+                session.run(request.seconds)
+            except KeyboardInterrupt:
+                screen.notice("ended by hand")
+            attachment = session.result()
+        if recording is not None:
+            recording.finish(session.now_ns)
+    except BaseException:
+        if recording is not None:
+            recording.abandon()
+        raise
+    return attachment, out_dir
+
+
+class Screen:
+    """The live view, or lines where there is no terminal for it."""
+
+    def __init__(self, console: Console, live: Live | None, title: str, quiet: bool) -> None:
+        self._console = console
+        self._live = live
+        self._quiet = quiet
+        self._drawn = 0.0
+        self._view: MonitorView | None = None
+        self._title = title
+        self._last = ""
+
+    def begin(self, session: BoardSession) -> None:
+        """What is shown."""
+        if self._live is not None:
+            self._view = MonitorView(self._title, session.decoder)
+            self._view.hint = "Ctrl-C ends"
+
+    def show(self, messages: list[tuple[int, Message]], at_s: float) -> None:
+        """Messages that have come."""
+        view = self._view
+        if view is None or self._live is None:
+            return
+        view.take(messages, at_s)
+        view.source = self._last
+        now = time.monotonic()
+        if now - self._drawn >= REFRESH_S:
+            self._drawn = now
+            size = self._console.size
+            self._live.update(view.render(size.width, size.height), refresh=True)
+
+    def notice(self, text: str) -> None:
+        """Something people should know."""
+        self._last = text
+        if self._view is not None:
+            self._view.say(text)
+        elif not self._quiet:
+            self._console.print(text, soft_wrap=True, markup=False)
+
+
+@contextmanager
+def _screen(setup: BoardSetup, source: BoardSource, quiet: bool) -> Iterator[Screen]:
+    console = standard_error()
+    title = f"{setup.board.name} on {source.name}"
+    if quiet or not source.live or not console.is_terminal:
+        yield Screen(console, None, title, quiet)
+        return
+    with Live(console=console, screen=True, auto_refresh=False) as live:
+        yield Screen(console, live, title, quiet)
+
+
+def _write(attachment: Attachment, setup: BoardSetup, json_to: str | None) -> None:
+    if json_to is None:
+        return
+    document: dict[str, Any] = {
+        "format": "navtwin-attach-1",
+        "kind": "board",
+        "board": setup.board.name,
+        "profile": setup.profile_name,
+        **attachment.to_dict(),
+    }
+    text = json.dumps(document, indent=1) + "\n"
+    if json_to == STANDARD_OUTPUT:
+        print(text, end="")
+    else:
+        write_whole(Path(json_to), text, "--json")
+
+
+def _tell(
+    console: Console, setup: BoardSetup, attachment: Attachment, out_dir: Path | None, quiet: bool
+) -> None:
+    line, link = attachment.line, attachment
+
+    def say(text: str, style: str = "") -> None:
+        console.print(text, soft_wrap=True, markup=False, style=style)
+
+    if not quiet:
+        say(
+            f"{attachment.seconds:,.1f} s, {line['bytes_received']:,} bytes: {link.frames:,} frames,"
+            f" {link.solutions:,} solutions, {link.raw_frames:,} raw; {link.frames_lost:,} lost,"
+            f" {link.bad_crc:,} with a wrong CRC, {link.garbage_bytes:,} bytes of garbage"
+        )
+        if line.get("port_losses"):
+            say(
+                f"the port vanished {line['port_losses']} times and came back {line['port_reopenings']} times"
+            )
+    if attachment.shadow is not None:
+        _tell_shadow(say, attachment.shadow, quiet)
+    if out_dir is not None:
+        say(f"recording: {out_dir / 'run.mcap'}")
+    name = f"{setup.board.name} {setup.profile_name}"
+    if attachment.shadow is None:
+        say(f"{name}: recorded, not shadowed")
+    elif attachment.compared:
+        ok = attachment.ok
+        counts = attachment.shadow.counts
+        compared = counts.solutions_equal + counts.solutions_different
+        word = "every bit equal" if ok else "board and twin differ"
+        say(f"{name}: {compared:,} solutions compared, {word}", "bold green" if ok else "bold red")
+
+
+def _tell_shadow(say: Any, shadow: Shadow, quiet: bool) -> None:
+    counts = shadow.counts
+    told: set[str] = set()
+    for one in shadow.differences:
+        if one.what not in told:
+            told.add(one.what)
+            say(f"first difference in {one.text()}", "red")
+    if quiet:
+        return
+    say(
+        f"shadow: {counts.solutions_equal:,} solutions equal, {counts.solutions_different:,} different,"
+        f" {counts.solutions_unchecked:,} not compared; {counts.copies_equal:,} copies of the memory equal,"
+        f" {counts.copies_different:,} different; {counts.inputs:,} inputs taken"
+    )
+    if counts.losses:
+        say(
+            f"lost track {counts.losses} times ({counts.inputs_missing:,} inputs missing), in step again by"
+            f" {counts.joined} copies and {counts.starts} starts; now {shadow.phase.value}"
+        )
+    elif not shadow.in_step:
+        say(f"shadow: {shadow.phase.value}")
+
+
+def _verdict(attachment: Attachment, request: BoardRequest) -> int:
+    if not attachment.frames:
+        received = attachment.line["bytes_received"]
+        what = f"{received:,} bytes came and not one frame of our link" if received else "nothing came"
+        raise UserError(f"--port {request.port}: {what}")
+    if attachment.shadow is not None and not attachment.compared:
+        why = (
+            f"{attachment.shadow.phase.value} when it ended"
+            if attachment.raw_frames
+            else "the board sends no raw frames (profile key raw_output)"
+        )
+        raise UserError(f"--port {request.port}: nothing could be compared: {why}; see --no-shadow")
+    return EXIT_MET if attachment.ok else EXIT_NOT_MET
