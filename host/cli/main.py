@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from host.cli.attach_command import app as attach_app
 from host.cli.baseline_command import app as baseline_app
 from host.cli.campaign_command import Baseline, Tolerance, campaign_command
 from host.cli.capture_command import app as capture_app
@@ -161,6 +162,7 @@ app.command("sweep")(sweep_command)
 app.command("faults")(faults_command)
 app.add_typer(baseline_app, name="baseline")
 app.add_typer(capture_app, name="capture")
+app.add_typer(attach_app, name="attach")
 app.command("replay")(replay_command)
 app.command("diff")(diff_command)
 
