@@ -20,6 +20,9 @@ if TYPE_CHECKING:
 LONGEST_NS = (LONGEST_FRAME_BITS + INTERFRAME_BITS) * SECOND
 MOST_KEPT = 1024
 
+HeardFrame = tuple[CanFrame, int, str]
+"""A frame, when it ended (ns), and the name of the node that sent it."""
+
 
 class CanBursts:
     """The kept sets of one bus, in order of time."""
@@ -57,18 +60,18 @@ class LateCanListener:
 
     def __init__(self, bus: EmulatedCanBus) -> None:
         self._bus = bus
-        self._heard: list[tuple[CanFrame, int]] = []
+        self._heard: list[HeardFrame] = []
 
-    def hear(self, frame: CanFrame, end_ns: int) -> None:
+    def hear(self, frame: CanFrame, end_ns: int, sender: str) -> None:
         """From the bus: a frame that got through."""
-        self._heard.append((frame, end_ns))
+        self._heard.append((frame, end_ns, sender))
 
-    def hear_all(self, heard: list[tuple[CanFrame, int]]) -> None:
+    def hear_all(self, heard: list[HeardFrame]) -> None:
         """Several of them."""
         self._heard += heard
 
-    def take(self) -> list[tuple[CanFrame, int]]:
-        """(frame, end in ns) of every frame that has ended by now, each given once."""
+    def take(self) -> list[HeardFrame]:
+        """Every frame that has ended by now, each given once."""
         self._bus.catch_up()
         heard, self._heard = self._heard, []
         return heard

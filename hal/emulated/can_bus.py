@@ -233,7 +233,7 @@ class EmulatedCanBus:
                 node.planned += 1
             elif alone:
                 self._busy_bits += bits
-                heard.append((frame, end))
+                heard.append((frame, end, node.name))
             else:
                 self._get_through(node, frame, end, bits)
         self._run_bits = at + length + INTERFRAME_BITS
@@ -332,7 +332,7 @@ class EmulatedCanBus:
         for listener in self._listeners:
             listener(frame, end)
         for late in self._late_listeners:
-            late.hear(frame, end)
+            late.hear(frame, end, sender.name)
 
     def _count_failure(self, node: CanNode) -> None:
         for strike in self._disturbances:

@@ -14,7 +14,7 @@ is. A refused byte is noticed there too: the bytes behind it have still been clo
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.virtual_time import SECOND
@@ -22,8 +22,28 @@ from hal.errors import BusError, ErrorKind
 
 BYTE_CLOCKS = 9
 
-I2cObserver = Callable[[int, int, int, bytes, bytes], None]
-"""(start_ns, end_ns, address, bytes written, bytes read)."""
+
+class I2cTransfer(NamedTuple):
+    """One transaction, from its start condition to its stop condition."""
+
+    start_ns: int
+    end_ns: int
+    """When the wire is free again."""
+    address: int
+    written: bytes
+    """What was to be written."""
+    acknowledged: int
+    """So many of these bytes were."""
+    asked: int
+    """How many bytes were to be read."""
+    read: bytes
+    refusal: ErrorKind | None
+    """None: nothing was refused. OTHER: broken off by a reset of the processor."""
+
+
+I2cObserver = Callable[[I2cTransfer], None]
+I2cPlayer = Callable[[int, int, bytes, int], I2cTransfer]
+"""(start_ns, address, bytes to write, bytes to read) -> what comes of it."""
 
 
 class I2cSlave(Protocol):
@@ -58,6 +78,9 @@ class EmulatedI2cBus:
         self.transactions = 0
         self.busy_ns = 0
         self.observer: I2cObserver | None = None
+        """Hears of every transaction as it ends."""
+        self.player: I2cPlayer | None = None
+        """Takes the place of all slaves: a replay."""
         self._cpu = cpu
         self._slaves: dict[int, I2cSlave] = {}
         self._owner: str | None = None
@@ -85,40 +108,57 @@ class EmulatedI2cBus:
             raise BusError(ErrorKind.OTHER, f"{self.name!r} is busy with a transaction of {self._owner!r}")
         self._owner = self._cpu.running_name
         start = self._cpu.time.now
+        if self.player is not None:
+            done = self.player(start, address, bytes(write), read_length)
+            return self._play(done)
         wire = _Wire(self._cpu, start, self.frequency_hz)
-        read = b""
         try:
-            read = self._run(wire, address, write, read_length)
+            return self._run(wire, address, bytes(write), read_length)
         finally:
             self._owner = None
-            end = self._cpu.time.now
+            end = min(wire.end, self._cpu.time.now)
             self.transactions += 1
             self.busy_ns += end - start
             if self.observer is not None:
-                self.observer(start, end, address, write, read)
-        return read
+                done = I2cTransfer(
+                    start, end, address, bytes(write), wire.acknowledged, read_length, wire.read, wire.refusal
+                )
+                self.observer(done)
+
+    def _play(self, done: I2cTransfer) -> bytes:
+        """Let a transaction happen as it is told."""
+        broken_off = done.refusal is ErrorKind.OTHER  # the reset that did it will come
+        try:
+            self._cpu.wait_until(done.end_ns + SECOND * broken_off)
+        finally:
+            self._owner = None
+            self.transactions += 1
+            self.busy_ns += done.end_ns - done.start_ns
+        if done.refusal is not None:
+            raise self._refused(done.refusal, done.address, done.acknowledged, len(done.written))
+        return done.read
 
     def _run(self, wire: _Wire, address: int, write: bytes, read_length: int) -> bytes:
         slave = self._address(wire, address)
         if write:
             wire.clocks(BYTE_CLOCKS * len(write))
-            acknowledged = slave.write(bytes(write), self._cpu.time.now)
-            if acknowledged < len(write):
+            wire.acknowledged = slave.write(write, self._cpu.time.now)
+            if wire.acknowledged < len(write):
                 wire.clocks(1)
-                raise BusError(
-                    ErrorKind.DATA_NACK,
-                    f"byte {acknowledged + 1} of {len(write)} to 0x{address:02X} on {self.name!r}",
-                )
-        data = b""
+                wire.refusal = ErrorKind.DATA_NACK
+                raise self._refused(wire.refusal, address, wire.acknowledged, len(write))
         if read_length:
             if write:
                 slave = self._address(wire, address)
-            data = slave.read(read_length, self._cpu.time.now)
-            if len(data) != read_length:
-                raise ValueError(f"slave 0x{address:02X} gave {len(data)} bytes for a read of {read_length}")
+            wire.read = slave.read(read_length, self._cpu.time.now)
+            if len(wire.read) != read_length:
+                raise ValueError(
+                    f"slave 0x{address:02X} gave {len(wire.read)} bytes for a read of {read_length}"
+                )
             wire.clocks(BYTE_CLOCKS * read_length)
         wire.clocks(1)
-        return data
+        wire.refusal = None
+        return wire.read
 
     def _address(self, wire: _Wire, address: int) -> I2cSlave:
         """(Repeated) start and address byte."""
@@ -126,35 +166,50 @@ class EmulatedI2cBus:
         slave = self._slaves.get(address)
         if slave is None:
             wire.clocks(1)
-            raise BusError(ErrorKind.ADDRESS_NACK, f"nobody at 0x{address:02X} on {self.name!r}")
+            wire.refusal = ErrorKind.ADDRESS_NACK
+            raise self._refused(wire.refusal, address)
         stretch_ns = getattr(slave, "stretch_ns", 0)
         if stretch_ns > self.stretch_limit_ns:
             wire.hold(self.stretch_limit_ns)
-            raise BusError(
-                ErrorKind.TIMEOUT,
-                f"0x{address:02X} on {self.name!r} holds the clock for more than {self.stretch_limit_ns} ns",
-            )
+            wire.refusal = ErrorKind.TIMEOUT
+            raise self._refused(wire.refusal, address)
         if stretch_ns:
             wire.hold(stretch_ns)
         return slave
+
+    def _refused(self, kind: ErrorKind, address: int, acknowledged: int = 0, sent: int = 0) -> BusError:
+        told = f"0x{address:02X} on {self.name!r}"
+        if kind is ErrorKind.ADDRESS_NACK:
+            return BusError(kind, f"nobody at {told}")
+        if kind is ErrorKind.DATA_NACK:
+            return BusError(kind, f"byte {acknowledged + 1} of {sent} to {told}")
+        return BusError(kind, f"{told} holds the clock for more than {self.stretch_limit_ns} ns")
 
     def _reset(self) -> None:
         self._owner = None
 
 
 class _Wire:
-    """Counts the clocks of one transaction and lets their time pass."""
+    """Counts the clocks of one transaction, lets their time pass, and keeps what has come of it by now."""
 
     def __init__(self, cpu: EmulatedCpu, start: int, frequency_hz: int) -> None:
         self._cpu = cpu
         self._start = start
         self._frequency_hz = frequency_hz
         self._clocks = 0
+        self.acknowledged = 0
+        self.read = b""
+        self.refusal: ErrorKind | None = ErrorKind.OTHER
+
+    @property
+    def end(self) -> int:
+        """Of the clocks so far (ns)."""
+        return self._start + self._clocks * SECOND // self._frequency_hz
 
     def clocks(self, count: int) -> None:
         self._clocks += count
-        self._cpu.wait_until(self._start + self._clocks * SECOND // self._frequency_hz)
+        self._cpu.wait_until(self.end)
 
     def hold(self, duration_ns: int) -> None:
         self._start += duration_ns
-        self._cpu.wait_until(self._start + self._clocks * SECOND // self._frequency_hz)
+        self._cpu.wait_until(self.end)

@@ -5,16 +5,20 @@ All numbers are little endian, records follow one another without padding:
     SPI     start_ns i64 | duration_ns u32 | n u32 | n bytes MOSI | n bytes MISO
     line    told_ns i64 | start_ns i64 | first u32 | baud u32 | n u32 | n bytes
     UART    end_ns i64 | n u32 | n bytes
-    CAN     end_ns i64 | identifier u32, bit 31: 29-bit identifier | n u8 | n bytes
+    I²C     start_ns i64 | end_ns i64 | address u8 | refusal u8 | n, acknowledged, asked, m u32
+            | n bytes written | m bytes read
+    CAN     end_ns i64 | identifier u32, bit 31: 29-bit identifier | n u8 | s u8 | n bytes | s bytes: sender
+    CAN-2   the same without s and sender (captures of format 2)
     pin     2·time_ns + level i64
     mark    time_ns i64
 
-Times are virtual time in ns. A SPI record is one chip-select low period. A line record tells the receiving
-end of a UART what was put on the line at `told_ns`: bytes `first`, `first` + 1, … of a run that began at
-`start_ns`, so that byte k of the record ends at start_ns + ⌊(first + k + 1)·10¹⁰ / baud⌋; with `baud` 0 it
-takes back whatever begins at `start_ns` or later. A UART record is a run of bytes of which the last one
-ended at `end_ns`; a CAN record is a data frame that ended on the bus at `end_ns`; a pin record is a change of
-a net's level. A mark says that everything up to its time is in the file.
+Times are virtual time in ns. A SPI record is one chip-select low period; an I²C record goes from start to
+stop condition (`REFUSALS` has the meaning of `refusal`). A line record tells the receiving end of a UART what
+was put on the line at `told_ns`: bytes `first`, `first` + 1, … of a run that began at `start_ns`, so that
+byte k of the record ends at start_ns + ⌊(first + k + 1)·10¹⁰ / baud⌋; with `baud` 0 it takes back whatever
+begins at `start_ns` or later. A UART record is a run of bytes of which the last one ended at `end_ns`; a CAN
+record is a data frame that ended on the bus at `end_ns`; a pin record is a change of a net's level. A mark
+says that everything up to its time is in the file.
 """
 
 from __future__ import annotations
@@ -25,11 +29,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from hal.can import CanFrame
+from hal.emulated.can_bursts import HeardFrame
+from hal.emulated.i2c import I2cTransfer
+from hal.errors import ErrorKind
 
 SPI_HEAD = struct.Struct("<qII")
 UART_HEAD = struct.Struct("<qI")
+I2C_HEAD = struct.Struct("<qqBBIIII")
 CAN_HEAD = struct.Struct("<qIB")
+SENT_CAN_HEAD = struct.Struct("<qIBB")
 LINE_HEAD = struct.Struct("<qqIII")
 PIN = MARK = struct.Struct("<q")
 FIRST_TIME = struct.Struct("<q")
@@ -42,12 +50,27 @@ WORTH_ARRAYS = 50
 FULL_CAN_RECORD = np.dtype([("end_ns", "<i8"), ("identifier", "<u4"), ("n", "u1"), ("data", "S8")])
 """A CAN record of eight bytes."""
 
+REFUSALS: tuple[ErrorKind | None, ...] = (
+    None,
+    ErrorKind.ADDRESS_NACK,
+    ErrorKind.DATA_NACK,
+    ErrorKind.TIMEOUT,
+    ErrorKind.OTHER,
+)
+"""How an I²C transaction ended: well, nobody at the address, a byte refused, clock held, broken off."""
+
 ENCODING = "x-navtwin-block"
+CAN_SCHEMA, OLD_CAN_SCHEMA = "navtwin.CanFrameBlock", "navtwin.CanBlock"
 
 SCHEMAS = {
     "navtwin.SpiBlock": "start_ns i64, duration_ns u32, n u32, mosi u8[n], miso u8[n]; repeated",
     "navtwin.LineBlock": "told_ns i64, start_ns i64, first u32, baud u32, n u32, data u8[n]; repeated",
     "navtwin.UartBlock": "end_ns i64, n u32, data u8[n]; repeated",
+    "navtwin.I2cBlock": "start_ns i64, end_ns i64, address u8, refusal u8 (0 none, 1 address, 2 data,"
+    " 3 timeout, 4 broken off), n u32, acknowledged u32, asked u32, m u32, written u8[n], read u8[m];"
+    " repeated",
+    "navtwin.CanFrameBlock": "end_ns i64, identifier u32 (bit 31: extended), n u8, s u8, data u8[n],"
+    " sender u8[s]; repeated",
     "navtwin.CanBlock": "end_ns i64, identifier u32 (bit 31: extended), n u8, data u8[n]; repeated",
     "navtwin.PinBlock": "2*time_ns+level i64; repeated",
     "navtwin.Mark": "time_ns i64: everything up to here is in the file",
@@ -63,6 +86,14 @@ class SpiTransaction:
     end_ns: int
     mosi: bytes
     miso: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class I2cTransaction:
+    """One transaction of an I²C bus."""
+
+    bus: str
+    transfer: I2cTransfer
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +115,8 @@ class CanMessage:
     identifier: int
     extended: bool
     data: bytes
+    sender: str | None = None
+    """None: not recorded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,7 +162,7 @@ class Mark:
     time_ns: int
 
 
-Traffic = SpiTransaction | LinePiece | LineCut | UartChunk | CanMessage | PinEdge | Mark
+Traffic = SpiTransaction | I2cTransaction | LinePiece | LineCut | UartChunk | CanMessage | PinEdge | Mark
 
 
 def unpack(schema: str, topic: str, block: bytes) -> Iterator[Traffic]:
@@ -158,6 +191,8 @@ def time_of(record: Traffic) -> int:
     match record:
         case SpiTransaction():
             return record.start_ns
+        case I2cTransaction():
+            return record.transfer.start_ns
         case LinePiece() | LineCut():
             return record.told_ns
         case PinEdge() | Mark():
@@ -166,11 +201,26 @@ def time_of(record: Traffic) -> int:
             return record.end_ns
 
 
-def can_records(heard: Sequence[tuple[CanFrame, int]]) -> bytes:
-    """CAN records of (frame, end in ns)."""
+def i2c_record(done: I2cTransfer) -> bytes:
+    """Record of an I²C transaction."""
+    head = I2C_HEAD.pack(
+        done.start_ns,
+        done.end_ns,
+        done.address,
+        REFUSALS.index(done.refusal),
+        len(done.written),
+        done.acknowledged,
+        done.asked,
+        len(done.read),
+    )
+    return head + done.written + done.read
+
+
+def can_records(heard: Sequence[HeardFrame]) -> bytes:
+    """CAN records of frames, without their senders."""
     if not heard:
         return b""
-    frames, ends = zip(*heard, strict=True)
+    frames, ends, _senders = zip(*heard, strict=True)
     identifiers, data, extended = zip(*frames, strict=True)
     if len(frames) >= WORTH_ARRAYS and set(map(len, data)) == {8}:
         records = np.empty(len(frames), FULL_CAN_RECORD)
@@ -188,6 +238,11 @@ def can_records(heard: Sequence[tuple[CanFrame, int]]) -> bytes:
 def spi_topic(bus: str) -> str:
     """Topic of an SPI bus."""
     return f"/spi/{bus}"
+
+
+def i2c_topic(bus: str) -> str:
+    """Topic of an I²C bus."""
+    return f"/i2c/{bus}"
 
 
 def uart_topic(port: str, direction: str) -> str:
@@ -231,6 +286,26 @@ def _can(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
     return CanMessage(bus, end_ns, identifier & ~EXTENDED, extended, block[data : data + n]), data + n
 
 
+def _sent_can(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
+    end_ns, identifier, n, s = SENT_CAN_HEAD.unpack_from(block, place)
+    data = place + SENT_CAN_HEAD.size
+    extended = bool(identifier & EXTENDED)
+    bus, end = topic.split("/")[2], data + n + s
+    sender = block[data + n : end].decode(errors="replace")
+    return CanMessage(bus, end_ns, identifier & ~EXTENDED, extended, block[data : data + n], sender), end
+
+
+def _i2c(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
+    start_ns, end_ns, address, refusal, n, acknowledged, asked, m = I2C_HEAD.unpack_from(block, place)
+    written = place + I2C_HEAD.size
+    read, end = written + n, written + n + m
+    if refusal >= len(REFUSALS):
+        raise ValueError(f"{topic}: a record at byte {place} tells the unknown refusal {refusal}")
+    sent, came = block[written:read], block[read:end]
+    transfer = I2cTransfer(start_ns, end_ns, address, sent, acknowledged, asked, came, REFUSALS[refusal])
+    return I2cTransaction(topic.split("/")[2], transfer), end
+
+
 def _line(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
     told_ns, start_ns, first, baud, n = LINE_HEAD.unpack_from(block, place)
     data = place + LINE_HEAD.size
@@ -253,6 +328,8 @@ READERS = {
     "navtwin.SpiBlock": _spi,
     "navtwin.LineBlock": _line,
     "navtwin.UartBlock": _uart,
+    "navtwin.I2cBlock": _i2c,
+    "navtwin.CanFrameBlock": _sent_can,
     "navtwin.CanBlock": _can,
     "navtwin.PinBlock": _pin,
     "navtwin.Mark": _mark,

@@ -8,13 +8,26 @@ from pathlib import Path
 from typing import Any
 
 from boards.hints import did_you_mean
-from host.capture.blocks import CanMessage, LineCut, LinePiece, PinEdge, SpiTransaction, Traffic, UartChunk
+from host.capture.blocks import (
+    CanMessage,
+    I2cTransaction,
+    LineCut,
+    LinePiece,
+    PinEdge,
+    SpiTransaction,
+    Traffic,
+    UartChunk,
+    i2c_topic,
+)
 from host.capture.reader import CaptureReader, Decoded
 from host.capture.tables_of import Row, row_of
 from host.record.errors import UserError
 
 ROWS_AT_ONCE = 20_000
 SPI_SELECT = "select"
+I2C_BUSY = "busy"
+TEXTS = ("mosi", "miso", "data", "source", "text", "frame_id", "written", "read", "refusal", "sender")
+INTEGERS = ("identifier", "baud", "address", "acknowledged", "asked")
 
 
 def export(capture: Path, kind: str, target: Path, topic: str | None) -> list[Path]:
@@ -94,9 +107,9 @@ def _parquet(reader: CaptureReader, target: Path, topic: str | None) -> list[Pat
 
 
 def _arrow_type(pa: Any, column: str) -> Any:
-    if column in ("mosi", "miso", "data", "source", "text", "frame_id"):
+    if column in TEXTS:
         return pa.string()
-    if column in ("identifier", "baud"):
+    if column in INTEGERS:
         return pa.int64()
     return pa.bool_() if column == "extended" else pa.float64()
 
@@ -161,7 +174,10 @@ def _candump(reader: CaptureReader, target: Path, topic: str | None) -> list[Pat
 
 
 def _vcd(reader: CaptureReader, target: Path, topic: str | None) -> list[Path]:
-    """Nets by their levels, chip selects by their low periods. In order of time, so all of it in memory."""
+    """Nets by their levels, chip selects by their low periods, I²C buses by their transactions.
+
+    In order of time, so all of it in memory.
+    """
     from vcd import VCDWriter
 
     changes: list[tuple[int, str, int]] = []
@@ -187,6 +203,9 @@ def _levels(record: Traffic | Decoded, topic: str | None) -> list[tuple[int, str
     if isinstance(record, SpiTransaction) and topic in (None, f"/spi/{record.bus}"):
         name = f"{record.bus.replace('.', '_')}_{SPI_SELECT}"
         return [(record.start_ns, name, 0), (record.end_ns, name, 1)]
+    if isinstance(record, I2cTransaction) and topic in (None, i2c_topic(record.bus)):
+        name = f"{record.bus}_{I2C_BUSY}"
+        return [(record.transfer.start_ns, name, 1), (record.transfer.end_ns, name, 0)]
     return []
 
 

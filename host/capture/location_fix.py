@@ -31,12 +31,15 @@ _NUMBER = {"type": "number"}
 _TIME = {
     "type": "object",
     "title": "time",
-    "properties": {"sec": {"type": "integer"}, "nsec": {"type": "integer"}},
+    "properties": {
+        "sec": {"type": "integer", "minimum": 0},
+        "nsec": {"type": "integer", "minimum": 0, "maximum": 999_999_999},
+    },
 }
 
 
 def schema() -> bytes:
-    """The JSON schema, with the fields that are written."""
+    """The JSON schema: the fields that the well-known one demands; it knows a few more."""
     properties = {
         "timestamp": _TIME,
         "frame_id": {"type": "string"},
@@ -44,9 +47,14 @@ def schema() -> bytes:
         "longitude": _NUMBER,
         "altitude": _NUMBER,
         "position_covariance": {"type": "array", "items": _NUMBER, "minItems": 9, "maxItems": 9},
-        "position_covariance_type": {"type": "integer"},
+        "position_covariance_type": {"title": "foxglove.PositionCovarianceType", "enum": [0, 1, 2, 3]},
     }
-    document = {"title": LOCATION_FIX, "type": "object", "properties": properties}
+    document = {
+        "title": LOCATION_FIX,
+        "type": "object",
+        "properties": properties,
+        "required": list(properties),
+    }
     return json.dumps(document, separators=(",", ":")).encode()
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from host.capture.blocks import LineCut, Mark, SpiTransaction, time_of, unpack
+from host.capture.blocks import I2cTransaction, LineCut, Mark, SpiTransaction, time_of, unpack
 from host.capture.reader import CaptureReader, RawMessage
 
 NS = 1_000_000_000
@@ -191,5 +191,5 @@ def _times(message: RawMessage, doubts: Doubts) -> Iterator[int]:
         if isinstance(record, Mark):
             doubts.mark(time_ns)
         elif not isinstance(record, LineCut):
-            doubts.record(message.topic, time_ns, isinstance(record, SpiTransaction))
+            doubts.record(message.topic, time_ns, isinstance(record, SpiTransaction | I2cTransaction))
         yield time_ns

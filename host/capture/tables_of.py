@@ -6,6 +6,7 @@ from typing import Any
 
 from host.capture.blocks import (
     CanMessage,
+    I2cTransaction,
     LineCut,
     LinePiece,
     Mark,
@@ -14,6 +15,7 @@ from host.capture.blocks import (
     Traffic,
     UartChunk,
     can_topic,
+    i2c_topic,
     pin_topic,
     spi_topic,
     uart_topic,
@@ -32,6 +34,8 @@ def row_of(record: Traffic | Decoded) -> tuple[str, Row] | None:
         case SpiTransaction():
             row: Row = {"t_s": record.start_ns / NS, "duration_s": (record.end_ns - record.start_ns) / NS}
             return spi_topic(record.bus), {**row, "mosi": record.mosi.hex(), "miso": record.miso.hex()}
+        case I2cTransaction():
+            return i2c_topic(record.bus), _i2c_row(record)
         case LinePiece():
             row = {"t_s": record.end_ns / NS, "baud": record.baud, "data": record.data.hex()}
             return uart_topic(record.port, "rx"), row
@@ -40,11 +44,25 @@ def row_of(record: Traffic | Decoded) -> tuple[str, Row] | None:
             return uart_topic(record.port, record.direction), row
         case CanMessage():
             row = {"t_s": record.end_ns / NS, "identifier": record.identifier, "extended": record.extended}
-            return can_topic(record.bus), {**row, "data": record.data.hex()}
+            return can_topic(record.bus), {**row, "data": record.data.hex(), "sender": record.sender}
         case PinEdge():
             return pin_topic(record.net), {"t_s": record.time_ns / NS, "level": int(record.level)}
         case LineCut() | Mark():
             return None
+
+
+def _i2c_row(record: I2cTransaction) -> Row:
+    done = record.transfer
+    return {
+        "t_s": done.start_ns / NS,
+        "duration_s": (done.end_ns - done.start_ns) / NS,
+        "address": done.address,
+        "written": done.written.hex(),
+        "acknowledged": done.acknowledged,
+        "asked": done.asked,
+        "read": done.read.hex(),
+        "refusal": None if done.refusal is None else done.refusal.name.lower(),
+    }
 
 
 def _flat(value: Row) -> Row:

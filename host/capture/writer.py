@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import json
 from array import array
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -22,7 +22,10 @@ import numpy as np
 from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
 
+from hal.emulated.can_bursts import HeardFrame
+from hal.emulated.i2c import I2cObserver, I2cTransfer
 from host.capture.blocks import (
+    CAN_SCHEMA,
     ENCODING,
     FIRST_TIME,
     LINE_HEAD,
@@ -32,10 +35,13 @@ from host.capture.blocks import (
     SPI_HEAD,
     UART_HEAD,
     can_topic,
+    i2c_record,
+    i2c_topic,
     pin_topic,
     spi_topic,
     uart_topic,
 )
+from host.capture.can_senders import with_senders
 from host.capture.inertial_samples import DECODERS, IMU, Bmi160Traffic
 from host.capture.location_fix import LOCATION_FIX, TOPICS, Fixes
 from host.capture.location_fix import schema as location_fix_schema
@@ -43,8 +49,10 @@ from host.capture.topics import EVENTS, IMU_SCHEMA, TABLES, event_schema, table_
 from host.record.row_text import RowText
 from host.record.tables import Table
 
-CAPTURE_FORMAT = "navtwin-capture-2"
-"""Of the raw topics; 2 added pins, marks and exact times on the lines into the board."""
+CAPTURE_FORMAT = "navtwin-capture-3"
+"""Of the raw topics; 3 added I²C buses and the senders of CAN frames."""
+FORMAT_2 = "navtwin-capture-2"
+"""Had added pins, marks and exact times on the lines into the board."""
 FLUSH_EVERY_NS = 800_000_000
 UNBOUNDED = 1 << 62
 IMU_TEXT = "{" + ",".join(f'"{name}":%.{n}f' for name, n in zip(IMU.columns, IMU.decimals, strict=True)) + "}"
@@ -53,7 +61,8 @@ IMU_TEXT = "{" + ",".join(f'"{name}":%.{n}f' for name, n in zip(IMU.columns, IMU
 Bytes = bytes | bytearray
 SpiRecorder = Callable[[int, int, Bytes, Bytes], None]
 UartRecorder = Callable[[int, bytes], None]
-CanRecorder = Callable[[bytes], None]
+CanRecorder = Callable[[bytes, Sequence[HeardFrame]], None]
+"""(records without senders, the frames they are of)."""
 LineRecorder = Callable[[int, int, int, int, bytes], None]
 
 
@@ -101,6 +110,16 @@ class CaptureWriter:
 
         return record
 
+    def i2c_recorder(self, bus: str) -> I2cObserver:
+        """`record(transfer)` for one I²C bus."""
+        block = self._block(i2c_topic(bus), "navtwin.I2cBlock")
+
+        def record(done: I2cTransfer) -> None:
+            nonlocal block
+            block += i2c_record(done)
+
+        return record
+
     def uart_recorder(self, port: str, direction: str) -> UartRecorder:
         """`record(end_ns, data)` for one direction ("rx", "tx") of a UART; `end_ns`: end of the last byte."""
         block = self._block(uart_topic(port, direction), "navtwin.UartBlock")
@@ -130,8 +149,14 @@ class CaptureWriter:
         return tape
 
     def can_recorder(self, bus: str) -> CanRecorder:
-        """`record(records)`: frames of one CAN bus (`blocks.can_records`)."""
-        return self._block(can_topic(bus), "navtwin.CanBlock").extend
+        """`record(records, heard)`: frames of one CAN bus, and the same as `blocks.can_records`."""
+        block = self._block(can_topic(bus), CAN_SCHEMA)
+
+        def record(records: bytes, heard: Sequence[HeardFrame]) -> None:
+            nonlocal block
+            block += with_senders(records, heard)
+
+        return record
 
     # -- what was decoded --------------------------------------------------------------------------
 

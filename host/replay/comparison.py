@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from array import array
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import zip_longest
 
+from hal.emulated.can_bursts import HeardFrame
+from hal.emulated.i2c import I2cTransfer
 from host.capture.blocks import (
+    CAN_SCHEMA,
     UART_HEAD,
     CanMessage,
+    I2cTransaction,
     LineCut,
     LinePiece,
     Mark,
@@ -23,6 +27,7 @@ from host.capture.blocks import (
     uart_topic,
     unpack,
 )
+from host.capture.can_senders import with_senders
 from host.capture.writer import CanRecorder, UartRecorder
 
 SHOWN_BYTES = 32
@@ -73,13 +78,18 @@ class Compared:
 class Comparison:
     """Implements `host.run.listening.WireRecords`: takes what the replayed board sends and compares it."""
 
-    def __init__(self, output_nets: Iterable[str]) -> None:
+    def __init__(self, output_nets: Iterable[str], can_schema: str = CAN_SCHEMA) -> None:
+        """`can_schema`: of the capture's CAN topics."""
         self._output_nets = set(output_nets)
+        self._can_schema = can_schema
         self.wires: dict[str, Compared] = {}
         self.difference: Difference | None = None
 
     def spi_recorder(self, bus: str) -> None:
         """Stand-ins compare transactions themselves."""
+
+    def i2c_recorder(self, bus: str) -> None:
+        """Tapes compare transactions themselves."""
 
     def line_recorder(self, port: str) -> None:
         """What comes to the board comes from the capture."""
@@ -97,7 +107,14 @@ class Comparison:
 
     def can_recorder(self, bus: str) -> CanRecorder:
         """For a CAN bus."""
-        return self._wire(can_topic(bus), "navtwin.CanBlock").replayed.extend
+        block = self._wire(can_topic(bus), self._can_schema).replayed
+        names_senders = self._can_schema == CAN_SCHEMA
+
+        def record(records: bytes, heard: Sequence[HeardFrame]) -> None:
+            nonlocal block
+            block += with_senders(records, heard) if names_senders else records
+
+        return record
 
     def pin_tape(self, net: str) -> list[int] | None:
         """For a net that a processor drives; the others come from the capture."""
@@ -158,6 +175,8 @@ def _records(wire: Compared, topic: str, block: bytearray) -> Iterator[Traffic]:
 def _data(record: Traffic | None) -> bytes:
     if isinstance(record, SpiTransaction):
         return record.mosi + record.miso
+    if isinstance(record, I2cTransaction):
+        return record.transfer.written + record.transfer.read
     return record.data if isinstance(record, UartChunk | CanMessage | LinePiece) else b""
 
 
@@ -178,11 +197,27 @@ def _shown(record: Traffic | None, first: int) -> str:
             answer = shown_bytes(record.miso, first - len(record.mosi))
             sent = shown_bytes(record.mosi, first)
             return f"{record.start_ns / 1e9:.9f} s, {duration}, MOSI {sent}, MISO {answer}"
+        case I2cTransaction():
+            return shown_transfer(record.transfer, first)
         case LineCut() | Mark():
             return f"{time_of(record) / 1e9:.9f} s"
         case _:
-            name = f"identifier 0x{record.identifier:X}, " if isinstance(record, CanMessage) else ""
+            name = _can_name(record) if isinstance(record, CanMessage) else ""
             return f"ends at {record.end_ns / 1e9:.9f} s, {name}{shown_bytes(record.data, first)}"
+
+
+def _can_name(record: CanMessage) -> str:
+    sender = "" if record.sender is None else f"from {record.sender}, "
+    return f"identifier 0x{record.identifier:X}, {sender}"
+
+
+def shown_transfer(done: I2cTransfer, first: int = 0) -> str:
+    """An I²C transaction in words; `first`: byte that is to be seen, of those written and then read."""
+    written, read = shown_bytes(done.written, first), shown_bytes(done.read, first - len(done.written))
+    sent = f", writes {written} ({done.acknowledged} acknowledged)" if done.written else ""
+    came = f", reads {done.asked} bytes{': ' if read else ''}{read}" if done.asked else ""
+    refused = "" if done.refusal is None else f", {done.refusal.name.lower().replace('_', ' ')}"
+    return f"{done.start_ns / 1e9:.9f} s, address 0x{done.address:02X}{sent}{came}{refused}"
 
 
 def shown_bytes(data: bytes, notable: int = 0) -> str:

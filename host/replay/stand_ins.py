@@ -3,33 +3,39 @@
 A stand-in answers transaction k of its chip select with the recorded bytes, provided that the firmware does
 exactly what it did: the same bytes out at the same instants. A level that a chip changed because of a
 transaction (data ready that ends as the data are read) has the transaction's own time and changes within it;
-every other change is an event. A net that nobody heard when it changed is told to whoever begins to listen at
-that very instant, as lazy chips do.
+every other change is an event. An I²C bus is played as a whole, whoever its slaves were. A net that nobody
+heard when it changed is told to whoever begins to listen at that very instant, as lazy chips do.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from itertools import count
 from typing import Any
 
 from boards.description import Board
+from hal.emulated.i2c import I2cTransfer
 from hal.emulated.pins import Net
 from hal.emulated.uart_bytes import SentBytes
 from hal.emulated.uart_wire import UartWire
 from hal.emulated.virtual_time import VirtualTime
-from host.capture.blocks import LINE_HEAD, SPI_HEAD
+from host.capture.blocks import LINE_HEAD, SPI_HEAD, I2cTransaction, unpack
 
 Exchange = tuple[int, int, bytes, bytes]
 """start, end in ns, MOSI, MISO."""
 
 MODEL = f"{__name__}:StandIn"
+FIRST_ADDRESS = 0x08
+"""Stand-ins on an I²C bus need some address each; nobody will ask there."""
 
 
 class Diverged(BaseException):
     """The firmware did something else than recorded. Unwinds it, as a power cut does."""
 
-    def __init__(self, wire: str, recorded: Exchange | None, replayed: Exchange) -> None:
+    def __init__(
+        self, wire: str, recorded: Exchange | I2cTransfer | None, replayed: Exchange | I2cTransfer
+    ) -> None:
         super().__init__(wire)
         self.wire = wire
         self.recorded = recorded
@@ -39,10 +45,11 @@ class Diverged(BaseException):
 
 def with_stand_ins(description: Board) -> Board:
     """The board with every chip exchanged for a stand-in."""
-    chips = {
-        refdes: chip.model_copy(update={"model": MODEL, "parameters": {"pin_names": tuple(chip.pins)}})
-        for refdes, chip in description.chips.items()
-    }
+    addresses = count(FIRST_ADDRESS)
+    chips = {}
+    for refdes, chip in description.chips.items():
+        parameters: dict[str, Any] = {"pin_names": tuple(chip.pins), "address": next(addresses)}
+        chips[refdes] = chip.model_copy(update={"model": MODEL, "parameters": parameters})
     return description.model_copy(update={"chips": chips})
 
 
@@ -50,9 +57,17 @@ class StandIn:
     """One chip's place on the board. Has the doors that `boards.assembly` uses of a chip."""
 
     def __init__(
-        self, _time: VirtualTime, tape: SpiTape, _line: UartWire | None = None, *, pin_names: tuple[str, ...]
+        self,
+        _time: VirtualTime,
+        tape: SpiTape,
+        _line: UartWire | None = None,
+        *,
+        pin_names: tuple[str, ...],
+        address: int,
     ) -> None:
         self.pins: dict[str, Net | None] = dict.fromkeys(pin_names)
+        self.i2c = self
+        self.address = address
         self.transaction = tape.transaction
 
     def receive(self, data: bytes, time_ns: int) -> None:
@@ -108,6 +123,42 @@ class SpiTape:
             for net, level in self._effects.pop(start_ns):
                 net.set(level)
         return recorded[3]
+
+
+class I2cTape:
+    """The recorded transactions of one I²C bus: an `hal.emulated.i2c.I2cPlayer`."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self.count = 0
+        """Transactions that have repeated."""
+        self._transfers: deque[I2cTransfer] = deque()
+
+    def load(self, topic: str, block: bytes) -> None:
+        """Append recorded transactions."""
+        for record in unpack("navtwin.I2cBlock", topic, block):
+            assert isinstance(record, I2cTransaction)
+            self._transfers.append(record.transfer)
+
+    @property
+    def waiting(self) -> I2cTransfer | None:
+        """The recorded transaction that is to come next."""
+        return self._transfers[0] if self._transfers else None
+
+    def play(self, start_ns: int, address: int, write: bytes, asked: int) -> I2cTransfer:
+        """What came of the transaction that begins now. Raises Diverged."""
+        recorded = self._transfers.popleft() if self._transfers else None
+        if recorded is None or (recorded.start_ns, recorded.address, recorded.written, recorded.asked) != (
+            start_ns,
+            address,
+            write,
+            asked,
+        ):
+            raise Diverged(
+                self.name, recorded, I2cTransfer(start_ns, start_ns, address, write, 0, asked, b"", None)
+            )
+        self.count += 1
+        return recorded
 
 
 class NetTape:
@@ -189,7 +240,7 @@ class Recorded:
 
     def _tape(self, refdes: str, chip: Any) -> SpiTape:
         tape = SpiTape(f"{chip.bus}.{chip.name or refdes}")
-        if chip.bus is not None:
+        if chip.bus is not None and self._description.buses[chip.bus].kind == "spi":
             self.tapes[tape.name] = tape
         return tape
 

@@ -16,16 +16,25 @@ from boards.assembly import assemble
 from boards.description import Board
 from firmware.numerics.dialect import entries_named
 from firmware.numerics.subnormals import check_subnormals
+from hal.emulated.i2c import I2cTransfer
 from hal.emulated.pins import Net
 from hal.emulated.virtual_time import FAR, SECOND
-from host.capture.blocks import PIN, pin_topic, spi_topic, uart_topic
+from host.capture.blocks import CAN_SCHEMA, OLD_CAN_SCHEMA, PIN, i2c_topic, pin_topic, spi_topic, uart_topic
 from host.capture.reader import CaptureReader, Window
-from host.capture.writer import CAPTURE_FORMAT
+from host.capture.writer import CAPTURE_FORMAT, FORMAT_2
 from host.record.errors import UserError
-from host.replay.comparison import Comparison, Difference, shown_bytes
+from host.replay.comparison import Comparison, Difference, shown_bytes, shown_transfer
 from host.replay.request import REPLAY_FORMAT, ReplayRequest
 from host.replay.setting import board_text_differs, recorded_setup
-from host.replay.stand_ins import Diverged, Exchange, LineTape, NetTape, Recorded, with_stand_ins
+from host.replay.stand_ins import (
+    Diverged,
+    Exchange,
+    I2cTape,
+    LineTape,
+    NetTape,
+    Recorded,
+    with_stand_ins,
+)
 from host.run.faults import place_faults
 from host.run.garbage import collect_young, undisturbed
 from host.run.intake import HOST_PORT
@@ -57,7 +66,7 @@ class StrictResult:
     state_hash: str | None
     """None: the replay stopped at a difference."""
     transactions: int
-    """On chip selects, all of which repeated."""
+    """On chip selects and I²C buses, all of which repeated."""
     bytes_compared: int
     """Of records of what the board sent."""
     difference: Difference | None
@@ -91,7 +100,7 @@ def replay_strict(request: ReplayRequest) -> StrictResult:
     if not first:
         raise UserError(f"capture {request.capture}: it was cut off before anything was recorded")
     _warm_up(setup, reader, first, request)
-    player = Player(setup, reader.raw_topics, int(reader.manifest["seed"]))
+    player = Player(setup, reader, int(reader.manifest["seed"]))
 
     def all_windows() -> Iterator[Window]:
         yield from first
@@ -117,7 +126,7 @@ def replay_strict(request: ReplayRequest) -> StrictResult:
         capture_complete=reader.complete and recorded_hash is not None,
         recorded_state_hash=recorded_hash,
         state_hash=None if player.difference is not None else player.ears.hexdigest(),
-        transactions=sum(tape.count for tape in player.surroundings.tapes.values()),
+        transactions=player.transactions,
         bytes_compared=sum(wire.compared_bytes for wire in player.comparison.wires.values()),
         difference=player.difference,
     )
@@ -126,14 +135,15 @@ def replay_strict(request: ReplayRequest) -> StrictResult:
 class Player:
     """A board on recorded traffic. `difference`: where it first did something else; None: nowhere."""
 
-    def __init__(self, setup: Setup, topics: list[str], seed: int) -> None:
+    def __init__(self, setup: Setup, reader: CaptureReader, seed: int) -> None:
         description = with_stand_ins(setup.board)
         self.surroundings = Recorded(description)
         self.board = board = assemble(description, setup.profile, self.surroundings)
         own = [fault for fault in setup.scenario.fault if fault.kind in OWN_FAULTS]
         place_faults(own, board, {}, seed, FAR)
         outputs = _output_nets(setup.board)
-        self.comparison = Comparison(outputs)
+        can_schema = OLD_CAN_SCHEMA if reader.format == FORMAT_2 else CAN_SCHEMA
+        self.comparison = Comparison(outputs, can_schema)
         self.ears = Ears(board, HOST_PORT, _ignore, self.comparison)
         self.difference: Difference | None = None
         self.now_ns = 0
@@ -142,7 +152,17 @@ class Player:
             pin_topic(name): NetTape(net) for name, net in board.nets.items() if name not in outputs
         }
         self._spi = {spi_topic(name): tape for name, tape in self.surroundings.tapes.items()}
-        self._check_topics(topics, setup.board)
+        self._i2c: dict[str, I2cTape] = {}
+        for name, bus in board.i2c_buses.items():
+            tape = self._i2c[i2c_topic(name)] = I2cTape(name)
+            bus.player = tape.play
+        self._check_topics(reader.raw_topics, setup.board)
+
+    @property
+    def transactions(self) -> int:
+        """How many have repeated."""
+        on_spi = sum(tape.count for tape in self._spi.values())
+        return on_spi + sum(tape.count for tape in self._i2c.values())
 
     def play(self, windows: Iterator[Window], progress: Callable[[float], None]) -> float:
         """Work all windows off, or up to the first difference; returns the wall-clock seconds."""
@@ -183,6 +203,8 @@ class Player:
         for topic, block in window.raw.items():
             if topic in self._lines:
                 self._lines[topic].load(block)
+            elif topic in self._i2c:
+                self._i2c[topic].load(topic, block)
             else:
                 self.comparison.load(topic, block)
 
@@ -206,16 +228,17 @@ class Player:
             exchange = tape.waiting
             if exchange is not None and exchange[0] <= now_ns:
                 return Difference(exchange[0], topic, _shown(exchange), "nothing")
+        for topic, i2c_tape in self._i2c.items():
+            transfer = i2c_tape.waiting
+            if transfer is not None and transfer.end_ns <= now_ns:
+                return Difference(transfer.start_ns, topic, _shown(transfer), "nothing")
         return None
 
     def _check_topics(self, topics: list[str], description: Board) -> None:
         """What the board has and what was recorded must be the same wires."""
-        has = {*self._spi, *self._lines, *self._nets, *self.comparison.wires}
-        kinds = ("/spi/", "/uart/", "/can/", "/pin/")
+        has = {*self._spi, *self._i2c, *self._lines, *self._nets, *self.comparison.wires}
+        kinds = ("/spi/", "/i2c/", "/uart/", "/can/", "/pin/")
         recorded = {topic for topic in topics if topic.startswith(kinds)}
-        i2c = [name for name, bus in description.buses.items() if bus.kind == "i2c"]
-        if i2c:
-            raise UserError(f"board {description.name}: the bus {i2c[0]} is I²C, which captures do not hold")
         for where, more in (("the board has", has - recorded), ("the capture has", recorded - has)):
             if more:
                 raise UserError(
@@ -225,10 +248,11 @@ class Player:
 
 
 def _checked_setup(reader: CaptureReader, request: ReplayRequest) -> Setup:
-    if reader.format != CAPTURE_FORMAT:
+    if reader.format not in (CAPTURE_FORMAT, FORMAT_2):
         raise UserError(
             f"capture {request.capture}: its format is {reader.format}; a strict replay needs"
-            f" {CAPTURE_FORMAT} (pins and exact times of lines); record it anew with navtwin run"
+            f" {CAPTURE_FORMAT} or {FORMAT_2} (pins and exact times of lines);"
+            " record it anew with navtwin run"
         )
     begin_s = reader.manifest.get("cut", {}).get("from_s", 0.0)
     if begin_s > 0.0:
@@ -252,11 +276,11 @@ def _warm_up(setup: Setup, reader: CaptureReader, first: list[Window], request: 
     """Compile or load what the firmware calls, on a board that is thrown away."""
     seed = int(reader.manifest["seed"])
     with entries_named() as kernels:
-        booted = Player(setup, reader.raw_topics, seed)
+        booted = Player(setup, reader, seed)
         booted.load(first[0])
         booted.board.machine.run_until(BOOT_NS)
     compile_missing(kernels, _nothing, request.notice)
-    Player(setup, reader.raw_topics, seed).play(iter(first), _ignore)
+    Player(setup, reader, seed).play(iter(first), _ignore)
 
 
 def _output_nets(description: Board) -> set[str]:
@@ -267,10 +291,14 @@ def _bus_difference(diverged: Diverged) -> Difference:
     recorded = diverged.recorded
     time_ns = min(one[0] for one in (recorded, diverged.replayed) if one is not None)
     shown = "nothing more" if recorded is None else _shown(recorded)
-    return Difference(time_ns, spi_topic(diverged.wire), shown, _shown(diverged.replayed))
+    is_i2c = isinstance(diverged.replayed, I2cTransfer)
+    topic = i2c_topic(diverged.wire) if is_i2c else spi_topic(diverged.wire)
+    return Difference(time_ns, topic, shown, _shown(diverged.replayed))
 
 
-def _shown(exchange: Exchange) -> str:
+def _shown(exchange: Exchange | I2cTransfer) -> str:
+    if isinstance(exchange, I2cTransfer):
+        return shown_transfer(exchange)
     start_ns, end_ns, mosi, miso = exchange
     answer = f", MISO {shown_bytes(miso)}" if miso else ""
     return f"{start_ns / SECOND:.9f} s, {end_ns - start_ns} ns, MOSI {shown_bytes(mosi)}{answer}"

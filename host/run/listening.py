@@ -12,6 +12,7 @@ from typing import Protocol
 
 from boards.assembly import AssembledBoard
 from hal.emulated.can_bus import EmulatedCanBus
+from hal.emulated.i2c import I2cObserver
 from hal.emulated.uart_bytes import SentBytes
 from hal.emulated.uart_receiver import LateReceiver, LineReceiver
 from hal.emulated.uart_wire import UartWire
@@ -32,6 +33,10 @@ class WireRecords(Protocol):
 
     def spi_recorder(self, bus: str) -> SpiRecorder | None:
         """For one chip select."""
+        ...
+
+    def i2c_recorder(self, bus: str) -> I2cObserver | None:
+        """For one I²C bus."""
         ...
 
     def uart_recorder(self, port: str, direction: str) -> UartRecorder:
@@ -110,7 +115,7 @@ class CanEar:
         heard = self._listener.take()
         records = can_records(heard)
         if self._record is not None:
-            self._record(records)
+            self._record(records, heard)
         self.rhythm.add(heard)
         return records
 
@@ -150,6 +155,8 @@ class Ears:
         """Have told what comes to the board, as it comes."""
         for name, device in board.spi_devices.items():
             device.observer = capture.spi_recorder(f"{device.bus.name}.{name}")
+        for name, bus in board.i2c_buses.items():
+            bus.observer = capture.i2c_recorder(name)
         for port, wire in board.to_board.items():
             record = capture.line_recorder(port)
             if record is not None:

@@ -86,7 +86,7 @@ class Bench:
         else:
             self.counters.append((bus.frames, bus.busy_ns, bus.error_frames, self.node.state))
             if self.late is not None:
-                self.heard += self.late.take()
+                self.heard += [(frame, end) for frame, end, _sender in self.late.take()]
 
 
 def _nothing() -> None:

@@ -17,7 +17,19 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from hal.can import CanFrame
-from host.capture.blocks import CanMessage, SpiTransaction, UartChunk, can_records, unpack
+from hal.emulated.i2c import I2cTransfer
+from hal.errors import ErrorKind
+from host.capture.blocks import (
+    SCHEMAS,
+    CanMessage,
+    I2cTransaction,
+    SpiTransaction,
+    UartChunk,
+    can_records,
+    i2c_record,
+    unpack,
+)
+from host.capture.can_senders import with_senders
 from host.capture.reader import CaptureReader, Decoded
 from host.capture.writer import CaptureWriter
 from host.record.errors import UserError
@@ -43,8 +55,9 @@ def write(path, seconds=5, close=True):
         recorded.append(SpiTransaction("spi1", now, now + 24_381, bytes(buffer), bytes(reversed(buffer))))
         if tick % 10 == 0:
             end = now + 300_000
-            can(can_records([(CanFrame(0x18FF0000 + tick, b"\x01\x02\x03", True), end)]))
-            recorded.append(CanMessage("can1", now + 300_000, 0x18FF0000 + tick, True, b"\x01\x02\x03"))
+            heard = [(CanFrame(0x18FF0000 + tick, b"\x01\x02\x03", True), end, "mcu")]
+            can(can_records(heard), heard)
+            recorded.append(CanMessage("can1", end, 0x18FF0000 + tick, True, b"\x01\x02\x03", "mcu"))
             capture.rows("/solution", np.full((1, len(SOLUTION.columns)), now / 1e9))
             recorded.append(("/solution", now))
         if tick % 80 == 79:
@@ -207,7 +220,7 @@ def test_a_missing_file_is_told(tmp_path):
         list(CaptureReader(tmp_path / "nothing.mcap"))
 
 
-@given(st.binary(max_size=80), st.sampled_from(["navtwin.SpiBlock", "navtwin.UartBlock", "navtwin.CanBlock"]))
+@given(st.binary(max_size=80), st.sampled_from(sorted(SCHEMAS)))
 def test_a_block_of_any_bytes_is_read_or_refused(block, schema):
     topic = "/uart/a/rx" if "Uart" in schema else "/spi/a"
     records = unpack(schema, topic, block)
@@ -245,13 +258,43 @@ FULL_FRAMES = st.builds(
 )
 
 
+NAMES = st.text(max_size=300) | st.sampled_from(["mcu", "ecu"])
+
+
 @given(
-    st.lists(st.tuples(FRAMES, st.integers(0, 1 << 60)))
-    | st.lists(st.tuples(FULL_FRAMES, st.integers(0, 1 << 60)))
+    st.lists(st.tuples(FRAMES, st.integers(0, 1 << 60), NAMES))
+    | st.lists(st.tuples(FULL_FRAMES, st.integers(0, 1 << 60), st.just("mcu")))
 )
 def test_can_records_come_back(heard):
     heard *= 60
-    records = unpack("navtwin.CanBlock", "/can/can1", can_records(heard))
-    assert list(records) == [
-        CanMessage("can1", end, frame.identifier, frame.extended, frame.data) for frame, end in heard
+    plain = can_records(heard)
+    assert list(unpack("navtwin.CanBlock", "/can/can1", plain)) == [
+        CanMessage("can1", end, frame.identifier, frame.extended, frame.data) for frame, end, _ in heard
     ]
+    told = list(unpack("navtwin.CanFrameBlock", "/can/can1", with_senders(plain, heard)))
+    assert told == [
+        CanMessage("can1", end, frame.identifier, frame.extended, frame.data, one.sender)
+        for (frame, end, _), one in zip(heard, told, strict=True)
+    ]
+    for (_, _, name), one in zip(heard, told, strict=True):
+        assert one.sender == name or len(name.encode()) > 255
+
+
+TRANSFERS = st.builds(
+    I2cTransfer,
+    st.integers(0, 1 << 60),
+    st.integers(0, 1 << 60),
+    st.integers(8, 0x77),
+    st.binary(max_size=40),
+    st.integers(0, 40),
+    st.integers(0, 40),
+    st.binary(max_size=40),
+    st.sampled_from([None, ErrorKind.ADDRESS_NACK, ErrorKind.DATA_NACK, ErrorKind.TIMEOUT, ErrorKind.OTHER]),
+)
+
+
+@given(st.lists(TRANSFERS))
+def test_i2c_records_come_back(transfers):
+    block = b"".join(map(i2c_record, transfers))
+    records = list(unpack("navtwin.I2cBlock", "/i2c/i2c1", block))
+    assert records == [I2cTransaction("i2c1", transfer) for transfer in transfers]

@@ -186,7 +186,7 @@ def test_a_capture_of_an_older_format_is_told(tmp_path):
     capture, _ = captured("full-rate", "duration_s=12")
     old = tampered(capture, tmp_path / "x.mcap", unchanged, form="navtwin-capture-1")
     with pytest.raises(
-        UserError, match=r"its format is navtwin-capture-1; a strict replay needs navtwin-capture-2"
+        UserError, match=r"its format is navtwin-capture-1; a strict replay needs navtwin-capture-3"
     ):
         replay_strict(ReplayRequest(old))
 

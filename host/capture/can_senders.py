@@ -1,0 +1,57 @@
+"""CAN records that tell their senders (`host.capture.blocks`), made of records that do not."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from hal.emulated.can_bursts import HeardFrame
+from host.capture.blocks import CAN_HEAD, FULL_CAN_RECORD, SENT_CAN_HEAD, WORTH_ARRAYS
+
+LONGEST_NAME = 255
+
+
+def with_senders(records: bytes, heard: Sequence[HeardFrame]) -> bytes:
+    """`records` (`blocks.can_records`) of the frames `heard`, each with the name of its sender."""
+    if not heard:
+        return b""
+    names = {name for _frame, _end, name in heard}
+    if (
+        len(names) == 1
+        and len(heard) >= WORTH_ARRAYS
+        and len(records) == FULL_CAN_RECORD.itemsize * len(heard)
+    ):
+        return _of_one_sender(np.frombuffer(records, FULL_CAN_RECORD), _encoded(names.pop()))
+    place = 0
+    pieces = []
+    for frame, _end, name in heard:
+        end_ns, identifier, n = CAN_HEAD.unpack_from(records, place)
+        place += CAN_HEAD.size + n
+        sender = _encoded(name)
+        pieces.append(SENT_CAN_HEAD.pack(end_ns, identifier, n, len(sender)) + frame.data + sender)
+    return b"".join(pieces)
+
+
+@functools.cache
+def _encoded(name: str) -> bytes:
+    return name.encode()[:LONGEST_NAME]
+
+
+@functools.cache
+def _dtype(length: int) -> np.dtype[np.void]:
+    fields: list[Any] = [*FULL_CAN_RECORD.descr]
+    fields.insert(3, ("s", "u1"))
+    return np.dtype([*fields, ("sender", f"S{length}")] if length else fields)
+
+
+def _of_one_sender(records: Any, sender: bytes) -> bytes:
+    told = np.empty(len(records), _dtype(len(sender)))
+    for name in ("end_ns", "identifier", "n", "data"):
+        told[name] = records[name]
+    told["s"] = len(sender)
+    if sender:
+        told["sender"] = sender
+    return told.tobytes()
