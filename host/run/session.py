@@ -109,8 +109,6 @@ class RunSession:
             for report in getattr(chip, "reports", ()):
                 told = f"{report.kind.value}: {report.register}: {report.detail}, {report.count} times"
                 recorder.add_event(report.first_ns, refdes, told)
-        for course in self.ears.can_courses(duration_ns):
-            recorder.add_can_course(course)
         return recorder.finish(
             duration_s=duration_ns / SECOND,
             wall_s=wall_s,
