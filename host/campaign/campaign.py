@@ -147,9 +147,15 @@ def _work_off(
             close()
 
 
+def _placed(outcome: Outcome, number: int) -> Outcome:
+    """An outcome at its place in a plan that may have got more seeds since."""
+    return replace(outcome, number=number, row={**outcome.row, "run": number})
+
+
 def _compile(plan: Plan, manifest: dict[str, Any], folder: Path, journal: Journal, resumed: int) -> Finished:
     """Write the result file of what the journal holds."""
-    outcomes = tuple(sorted(journal.outcomes.values(), key=lambda outcome: outcome.number))
+    done = journal.outcomes
+    outcomes = tuple(_placed(done[job.key], job.number) for job in plan.jobs() if job.key in done)
     if outcomes:
         write_table(folder / RESULT, [outcome.row for outcome in outcomes], manifest, len(plan))
     return Finished(plan, manifest, folder, outcomes, resumed)

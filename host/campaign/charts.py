@@ -14,6 +14,7 @@ from host.campaign.series import NEES, NORMALISED, instants, unpacked
 from host.campaign.statistics import mean_square_bounds, nan_mean, rms
 from host.campaign.summary import Summary
 from host.report.charts import BAND, FUSED, GNSS, TRUTH, Chart, Trace, line, on_row, stacked
+from host.report.numbers import counted
 from host.score.consistency import DIMENSION
 
 Floats = NDArray[np.float64]
@@ -120,8 +121,8 @@ def _envelope(
         traces.append(on_row(line(plain(t), plain(mean), "mean", FUSED), place))
         ranges.append(_focus(values))
     text = (
-        f"{count} runs. Band: the 3 σ that the filter states (RMS over the runs); orange: 3 σ of the runs"
-        " themselves. An honest filter has both alike."
+        f"{counted(count, 'run')}. Band: the 3 σ that the filter states (RMS over the runs); orange: 3 σ of"
+        " the runs themselves. An honest filter has both alike."
     )
     labels = [name for name, _, _ in rows]
     return Chart(key, _titled(title, label), text, traces, stacked(labels, _span(t), (), ranges), True)
@@ -133,8 +134,9 @@ def _nees(key: str, label: str, t: Floats, values: Floats) -> Chart:
     traces.append(on_row(line([_span(t)[0], _span(t)[1]], [9, 9], "honest: 9", TRUTH, width=1), 0))
     outside = _outside(nan_mean(values), bounds)
     text = (
-        f"Mean over {len(values)} runs of the normalised estimation error squared of position, velocity and"
-        f" attitude, with the 95 % bounds of an honest filter. Outside of them: {outside}; expected: 5 %."
+        f"Mean over {counted(len(values), 'run')} of the normalised estimation error squared of position,"
+        f" velocity and attitude, with the 95 % bounds of an honest filter. Outside of them: {outside};"
+        " expected: 5 %."
     )
     layout = stacked(["NEES"], _span(t)) | {"height": 330}
     return Chart(key, _titled("Consistency: NEES", label), text, traces, layout, True)

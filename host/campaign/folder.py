@@ -9,6 +9,7 @@ from typing import Any
 from host.campaign.folder_lock import LOCK, FolderLock
 from host.campaign.identity import CAMPAIGN_FORMAT, differences, fingerprint
 from host.campaign.journal import JOURNAL, TIMES, Journal
+from host.campaign.plan import parse_seeds
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 
@@ -51,9 +52,15 @@ def _claim(folder: Path, manifest: dict[str, Any], fresh: bool) -> None:
         there = read_manifest(folder)
         if not fresh and not (differences(there, manifest) and _has_no_run(folder)):
             _must_be_the_same(folder, there, manifest)
+            if there != manifest:
+                _write_manifest(path, manifest)
             return
         for name in reversed(OWN_FILES):  # the manifest last: until then the folder is known as ours
             (folder / name).unlink(missing_ok=True)
+    _write_manifest(path, manifest)
+
+
+def _write_manifest(path: Path, manifest: dict[str, Any]) -> None:
     write_whole(path, json.dumps(manifest, indent=1) + "\n", "--out")
 
 
@@ -86,8 +93,20 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     return dict(manifest)
 
 
+def _next_seed(seeds: str) -> int:
+    return parse_seeds(seeds)[-1] + 1
+
+
 def _must_be_the_same(folder: Path, there: dict[str, Any], asked: dict[str, Any]) -> None:
     changed = differences(there, asked)
+    if changed == ["seeds"]:
+        if {*parse_seeds(there["seeds"])} < {*parse_seeds(asked["seeds"])}:
+            return
+        raise UserError(
+            f"--out {folder}: holds the seeds {there['seeds']}, and --seeds {asked['seeds']} would leave some"
+            f" out; seeds can be added, e.g. --seeds {there['seeds']},{_next_seed(there['seeds'])}; or"
+            " name a new folder, or begin anew with --fresh"
+        )
     if changed:
         raise UserError(
             f"--out {folder}: holds a campaign that differs in {', '.join(changed)}, so its runs cannot be"

@@ -47,8 +47,8 @@ def campaign_manifest(plan: Plan, kind: str) -> dict[str, Any]:
 
 
 def fingerprint(manifest: dict[str, Any]) -> str:
-    """A short name of a manifest's content."""
-    text = json.dumps(manifest, sort_keys=True, separators=(",", ":"))
+    """A short name of all that decides the figures of a run besides its seed."""
+    text = json.dumps({**manifest, "seeds": ""}, sort_keys=True, separators=(",", ":"))
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 

@@ -33,6 +33,7 @@ def finished(job: Job, result: RunResult) -> dict[str, Value]:
         row[f"outages.{number}.horizontal_drift_m"] = outage.horizontal_drift_m
         row[f"outages.{number}.vertical_drift_m"] = outage.vertical_drift_m
     for one in result.expectations:
+        row[f"expect.{one.name}.relation"] = one.relation
         row[f"expect.{one.name}.limit"] = one.limit
         row[f"expect.{one.name}.met"] = one.ok
     cleaned: dict[str, Value] = finite_or_none(row)

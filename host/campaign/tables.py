@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from host.campaign.statistics import Spread, spread
 from host.campaign.summary import SetupSummary, Summary
-from host.report.numbers import NONE, count, number
+from host.report.numbers import NONE, count, counted, number
 from host.report.summary import MET, NOT_MET, Section
 
 MAIN = {
@@ -53,8 +53,8 @@ def verdict(summary: Summary) -> str:
     """One line."""
     failed = f", {len(summary.failures)} did not reach their end" if summary.failures else ""
     if not any(one.expectations for one in summary.setups) and not failed:
-        return f"{summary.runs:,} runs, no expectations set"
-    return f"{summary.met:,} of {summary.runs:,} runs met all expectations{failed}"
+        return f"{counted(summary.runs, 'run')}, no expectations set"
+    return f"{summary.met:,} of {counted(summary.runs, 'run')} met all expectations{failed}"
 
 
 def figure_table(one: SetupSummary) -> Section:
@@ -62,7 +62,7 @@ def figure_table(one: SetupSummary) -> Section:
     labels = shown((one,), MAIN)
     rows = tuple((label, *_spread_cells(one.figures[name])) for name, label in labels.items())
     columns = ("figure", "mean", "95 % interval of the mean", "median", "95 %", "least", "largest", "runs")
-    return Section(f"Over {one.runs} runs: {one.setup.label}", columns, rows)
+    return Section(f"Over {counted(one.runs, 'run')}: {one.setup.label}", columns, rows)
 
 
 def shown(setups: Sequence[SetupSummary], usual: Mapping[str, str]) -> dict[str, str]:

@@ -44,6 +44,9 @@ Json = Annotated[
 Markdown = Annotated[
     Path | None, typer.Option("--markdown", metavar="FILE", help="A summary for the page of a merge.")
 ]
+Junit = Annotated[
+    Path | None, typer.Option("--junit", metavar="FILE", help="Expectations over all runs as JUnit XML.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no tables.")]
 Fresh = Annotated[bool, typer.Option("--fresh", help="Forget an earlier campaign in the folder --out.")]
 Share = Annotated[
@@ -72,6 +75,7 @@ def campaign_command(
     ] = None,
     fresh: Fresh = False,
     json: Json = None,
+    junit: Junit = None,
     markdown: Markdown = None,
     baseline: Baseline = None,
     tolerance: Tolerance = "5%",
@@ -89,7 +93,7 @@ def campaign_command(
         from host.cli.campaign_run import Outputs, ask, execute
 
         asked = ask(board, scenario, seeds, profile, changes, data)
-        outputs = Outputs(out, json, markdown, quiet, fresh, pass_share, baseline, tolerance)
+        outputs = Outputs(out, json, markdown, quiet, fresh, pass_share, baseline, tolerance, junit)
         return execute(asked, outputs, workers, scheduler)
 
     guarded(command, CAMPAIGN_INTERRUPTED)

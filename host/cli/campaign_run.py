@@ -43,6 +43,7 @@ class Outputs:
     pass_share: str = "100%"
     baseline: Path | None = None
     tolerance: str = "5%"
+    junit: Path | None = None
 
 
 def ask(
@@ -74,7 +75,7 @@ def run_and_tell(
     share = parse_share(outputs.pass_share)
     tolerance = parse_tolerance(outputs.tolerance)
     baseline = None if outputs.baseline is None else read_baseline(outputs.baseline)
-    check_files(("--json", outputs.json), ("--markdown", outputs.markdown))
+    check_files(("--json", outputs.json), ("--markdown", outputs.markdown), ("--junit", outputs.junit))
     folder = outputs.out or default_folder(plan, kind)
     if baseline is not None:
         must_fit(baseline, campaign_manifest(plan, kind))
@@ -169,6 +170,10 @@ def _write(
             print(text, end="")
         else:
             write_whole(Path(outputs.json), text, "--json")
+    if outputs.junit is not None:
+        from host.cli.campaign_junit import campaign_junit
+
+        write_whole(outputs.junit, campaign_junit(finished, summary, share, comparison), "--junit")
     if outputs.markdown is not None:
         from host.report.markdown import summary as markdown
 

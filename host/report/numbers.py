@@ -29,6 +29,11 @@ def percent(share: float | None) -> str:
     return f"{100 * share:.2f} %"
 
 
+def counted(count: int, word: str) -> str:
+    """`1 run`, `1,000 runs`."""
+    return f"{count:,} {word}" if count == 1 else f"{count:,} {word}s"
+
+
 def count(value: float | None) -> str:
     """A whole number with thousands separated."""
     return NONE if value is None else f"{value:,.0f}"

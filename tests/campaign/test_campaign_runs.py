@@ -67,6 +67,32 @@ def test_another_campaign_in_the_same_folder_is_refused(whole: Path) -> None:
     result = campaign(whole, seeds="1-4")
     assert result.exit_code == 2
     assert "differs in seeds, swept" in result.stderr
+    result = campaign(whole, "--set", "gnss.latency_s=0.05,0.3", "--set", "duration_s=80", seeds="1-9")
+    assert result.exit_code == 2
+    assert "differs in overrides, seeds" in result.stderr
+
+
+def test_seeds_can_be_added_to_a_campaign(whole: Path, tmp_path: Path) -> None:
+    """1, 3 and then 1-3, in two set-ups: what is there is used, and the bytes are those of one campaign."""
+    grown, swept = tmp_path / "c", ("--set", "gnss.latency_s=0.05,0.3", "-j", 2)
+    campaign(grown, *swept, seeds="1,3")
+    first = (grown / JOURNAL).read_bytes()
+    result = campaign(grown, *swept)
+    assert result.exit_code == 0, result.output
+    assert "(4 of them were there already)" in result.output
+    assert (grown / JOURNAL).read_bytes().startswith(first)
+    for name in (*FILES, MANIFEST):
+        assert (grown / name).read_bytes() == (whole / name).read_bytes(), name
+
+
+def test_seeds_are_not_left_out_of_a_campaign(whole: Path) -> None:
+    before = (whole / RESULT).read_bytes()
+    for seeds in ("1-2", "2-9"):
+        result = campaign(whole, "--set", "gnss.latency_s=0.05,0.3", seeds=seeds)
+        assert result.exit_code == 2
+        assert f"holds the seeds 1-3, and --seeds {seeds} would leave some out" in result.stderr
+        assert "--seeds 1-3,4;" in result.stderr
+    assert (whole / RESULT).read_bytes() == before
 
 
 def test_fresh_begins_anew_in_a_folder_of_ours_only(tmp_path: Path) -> None:

@@ -1,6 +1,9 @@
 """The recipes for CI servers: they parse, call only what the tests here run, and docs/ci.md shows them."""
 
 import re
+import shutil
+import subprocess
+import sys
 from pathlib import Path
 
 import own_boards
@@ -21,6 +24,33 @@ PAGE = (own_boards.ROOT / "docs/ci.md").read_text(encoding="utf-8")
 @pytest.fixture
 def repository(tmp_path):
     return own_boards.new_repository(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("path", "options"),
+    [
+        (".github/workflows/navtwin.yml", ["--builtin-schema", "vendor.github-workflows"]),
+        (".gitlab-ci.yml", ["--builtin-schema", "vendor.gitlab-ci", "--data-transform", "gitlab-ci"]),
+    ],
+)
+def test_the_servers_files_keep_the_published_schemas(tmp_path, path, options):
+    file = tmp_path / "recipe.yml"
+    file.write_text(FILES[path])
+    command = [sys.executable, "-m", "check_jsonschema", *options, str(file)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+    file.write_text(FILES[path].replace("script:", "scripts:").replace("runs-on:", "runs_on:"))
+    assert subprocess.run(command, capture_output=True, check=False).returncode == 1
+
+
+@pytest.mark.parametrize("reader", [["sh", "-n"], ["dash", "-n"], ["bash", "-n"], ["shellcheck"]])
+def test_the_script_is_good_for_every_shell(tmp_path, reader):
+    if shutil.which(reader[0]) is None:
+        pytest.skip(f"{reader[0]} is not installed")
+    file = tmp_path / "navtwin.sh"
+    file.write_text(SCRIPT)
+    done = subprocess.run([*reader, str(file)], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
 
 
 def test_both_servers_only_call_the_script():
