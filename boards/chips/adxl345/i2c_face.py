@@ -1,0 +1,80 @@
+"""The I²C slave: a register pointer that the first written byte sets and every further byte moves on."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from boards.chips.registers import AccessLog, ReportKind
+
+_FASTEST_CLOCK_NS = 2_500
+"""400 kHz."""
+_BYTE_CLOCKS = 9
+_POINTER = 0x3F
+
+
+class RegisterBus(Protocol):
+    """What the face needs of the chip."""
+
+    log: AccessLog
+
+    @property
+    def powered(self) -> bool:
+        """Whether the chip acknowledges its address."""
+        ...
+
+    def i2c_read(self, address: int, count: int, time_ns: int) -> bytes:
+        """A burst read."""
+        ...
+
+    def i2c_write(self, address: int, data: bytes, time_ns: int) -> None:
+        """A burst write."""
+        ...
+
+
+class I2cFace:
+    """The chip at its 7-bit `address`."""
+
+    def __init__(self, chip: RegisterBus, address: int) -> None:
+        self.address = address
+        self._chip = chip
+        self._pointer = 0
+        self._heard_ns = 0
+        self._clocks_owed = 0
+        """Clocks that the bus needs at least from the last call to the end of the next address byte."""
+
+    def write(self, data: bytes, time_ns: int) -> int:
+        """Bytes from the master: register address, then values. Returns how many were acknowledged."""
+        if not self._chip.powered:
+            return 0
+        self._check_clock(time_ns, _BYTE_CLOCKS * len(data))
+        self._clocks_owed = 1 + _BYTE_CLOCKS
+        if data:
+            if data[0] & ~_POINTER:
+                detail = f"register address 0x{data[0]:02X} has more than six bits; the upper two are dropped"
+                self._chip.log.report(ReportKind.PROTOCOL, "I2C", detail, time_ns)
+            self._pointer = data[0] & _POINTER
+            if len(data) > 1:
+                self._chip.i2c_write(self._pointer, data[1:], time_ns)
+                self._move(len(data) - 1)
+        return len(data)
+
+    def read(self, length: int, time_ns: int) -> bytes:
+        """Bytes to the master from the register pointer on; 0xFF (an idle bus) without power."""
+        if not self._chip.powered:
+            return b"\xff" * length
+        self._check_clock(time_ns, 0)
+        self._clocks_owed = 1 + _BYTE_CLOCKS * (1 + length)
+        data = self._chip.i2c_read(self._pointer, length, time_ns)
+        self._move(length)
+        return data
+
+    def _move(self, count: int) -> None:
+        self._pointer = (self._pointer + count) & _POINTER
+
+    def _check_clock(self, time_ns: int, clocks: int) -> None:
+        """A slave does not know the clock, but what comes sooner than 400 kHz allow was faster."""
+        passed = time_ns - self._heard_ns
+        if 0 < passed < (self._clocks_owed + clocks) * _FASTEST_CLOCK_NS - 1:
+            detail = "clock faster than 400 kHz: undefined, served as if it were slower"
+            self._chip.log.report(ReportKind.TIMING, "I2C", detail, time_ns)
+        self._heard_ns = time_ns
