@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import import_module
 from typing import Any
@@ -17,6 +17,7 @@ from firmware.numerics.subnormals import check_subnormals
 from host.attach.shadow import Loop
 from host.record.errors import UserError
 from host.record.manifest import build_manifest
+from host.replay.setting import recorded_setup
 from host.run.intake import HOST_PORT
 from host.run.own_modules import make_importable
 from host.run.setup import BOARD_PREFIX, PROFILE_PREFIX
@@ -24,6 +25,8 @@ from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.overrides import apply_overrides
 
 DOOR = "raw_loop"
+ATTACHED = "attached"
+"""In the place of the scenario of a recording of a real board."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +47,7 @@ class BoardSetup:
     def manifest(self, source: str) -> dict[str, Any]:
         """Of a recording of this board."""
         text = (board_folder(self.folder_name) / "board.toml").read_text(encoding="utf-8")
-        manifest = build_manifest(self.board.name, text, "attached", "", self.profile_name, 0, self.overrides)
+        manifest = build_manifest(self.board.name, text, ATTACHED, "", self.profile_name, 0, self.overrides)
         return {**manifest, "attached_to": source}
 
     def loop(self) -> Loop:
@@ -76,17 +79,42 @@ class BoardSetup:
 
 def board_setup(board: str, profile: str | None, overrides: tuple[str, ...]) -> BoardSetup:
     """Find, change and validate. Raises UserError."""
-    own = (BOARD_PREFIX, PROFILE_PREFIX)
-    for change in overrides:
-        if not change.startswith(own):
-            raise UserError(
-                f"--set {change}: of an attached board only board.… and profile.… can be set;"
-                " for example --set profile.aiding=false"
-            )
+    _check_overrides(overrides, (BOARD_PREFIX, PROFILE_PREFIX))
     try:
         return _board_setup(board, profile, overrides)
     except (DescriptionError, ScenarioError) as error:
         raise UserError(str(error)) from None
+
+
+def setup_of_capture(
+    manifest: Mapping[str, Any], board: str | None, profile: str | None, overrides: tuple[str, ...]
+) -> BoardSetup:
+    """The setup that a capture was made with; `board`, `profile` in place of the recorded ones, `overrides`
+    on top. Raises UserError."""
+    recorded = tuple(str(change) for change in manifest["overrides"])
+    if manifest["scenario"] == ATTACHED:
+        kept = () if profile not in (None, manifest["profile"]) else recorded
+        return board_setup(
+            board or str(manifest["board"]), profile or str(manifest["profile"]), kept + overrides
+        )
+    try:
+        setup = recorded_setup(manifest, board, profile)
+        own = [c.removeprefix(PROFILE_PREFIX) for c in overrides if c.startswith(PROFILE_PREFIX)]
+        _check_overrides(overrides, (PROFILE_PREFIX,))
+        settings = apply_overrides(setup.profile, own)
+    except (DescriptionError, ScenarioError) as error:
+        raise UserError(str(error)) from None
+    name = board or str(manifest["board"])
+    return BoardSetup(setup.board, name, setup.profile_name, settings, (*recorded, *overrides))
+
+
+def _check_overrides(overrides: tuple[str, ...], own: tuple[str, ...]) -> None:
+    for change in overrides:
+        if not change.startswith(own):
+            raise UserError(
+                f"--set {change}: only {' and '.join(f'{prefix}…' for prefix in own)} can be set here;"
+                " for example --set profile.aiding=false"
+            )
 
 
 def _board_setup(board: str, profile: str | None, overrides: tuple[str, ...]) -> BoardSetup:

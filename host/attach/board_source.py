@@ -58,12 +58,16 @@ class BoardSource(Protocol):
         ...
 
 
-def open_source(given: str, port: str, baud: int | None, board_baud: int) -> BoardSource:
-    """A capture when `given` is a file or a run's folder, else a port. Raises UserError."""
-    if is_device(given):
-        path = Path(given)
-        if path.is_dir() or (path.exists() and stat.S_ISREG(path.stat().st_mode)):
-            return CapturedBoard(capture_path(path), port)
+def capture_at(given: str) -> Path | None:
+    """The capture that is meant when `given` is a file or a run's folder. Raises UserError."""
+    path = Path(given)
+    if is_device(given) and (path.is_dir() or (path.exists() and stat.S_ISREG(path.stat().st_mode))):
+        return capture_path(path)
+    return None
+
+
+def open_serial(given: str, baud: int | None, board_baud: int) -> SerialBoard:
+    """A board on a port. Raises UserError."""
     try:
         return SerialBoard(given, baud, board_baud)
     except PortError as error:
@@ -162,6 +166,12 @@ class CapturedBoard:
         self._port = port
         self._reader = CaptureReader(path)
         self._bytes = 0
+
+    @property
+    def manifest(self) -> dict[str, Any]:
+        """Of the recorded run. Raises UserError for what is no capture of navtwin."""
+        next(iter(self._reader.messages()), None)
+        return self._reader.manifest
 
     def chunks(self) -> Iterator[Chunk]:
         """All that was recorded of the port."""

@@ -49,7 +49,12 @@ def board_command(
             help="/dev/ttyUSB0, socket://HOST:PORT, rfc2217://HOST:PORT; or a capture, or a run's folder.",
         ),
     ],
-    board: BoardName = "car_mems",
+    board: Annotated[
+        str | None,
+        typer.Option(
+            "--board", "-b", metavar="NAME|DIR", help="Default: car_mems; of a capture, the recorded one."
+        ),
+    ] = None,
     profile: Profile = None,
     changes: Changes = None,
     baud: Annotated[

@@ -15,8 +15,8 @@ from rich.live import Live
 
 from host.attach.board_recording import BoardRecording
 from host.attach.board_session import Attachment, BoardSession
-from host.attach.board_setup import BoardSetup, board_setup
-from host.attach.board_source import BoardSource, open_source
+from host.attach.board_setup import BoardSetup, board_setup, setup_of_capture
+from host.attach.board_source import BoardSource, CapturedBoard, capture_at, open_serial
 from host.attach.shadow import Shadow
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.terminal import standard_error, standard_output
@@ -28,6 +28,7 @@ from host.run.intake import HOST_PORT
 
 STANDARD_OUTPUT = "-"
 REFRESH_S = 0.2
+DEFAULT_BOARD = "car_mems"
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +36,7 @@ class BoardRequest:
     """What was asked for."""
 
     port: str
-    board: str
+    board: str | None
     profile: str | None
     overrides: tuple[str, ...]
     baud: int | None
@@ -46,9 +47,14 @@ class BoardRequest:
 
 def attach_board(request: BoardRequest, json_to: str | None, quiet: bool) -> int:
     """Attach, print, write; the exit code. Raises UserError for what the user can mend."""
-    setup = board_setup(request.board, request.profile, request.overrides)
+    capture = capture_at(request.port)
+    if capture is None:
+        setup = board_setup(request.board or DEFAULT_BOARD, request.profile, request.overrides)
+    else:
+        captured = CapturedBoard(capture, HOST_PORT)
+        setup = setup_of_capture(captured.manifest, request.board, request.profile, request.overrides)
     shadow = Shadow(setup.loop()) if request.shadow else None
-    source = open_source(request.port, HOST_PORT, request.baud, setup.port_baud)
+    source = captured if capture else open_serial(request.port, request.baud, setup.port_baud)
     console = standard_error() if json_to == STANDARD_OUTPUT else standard_output()
     try:
         attachment, out_dir = _attached(request, setup, source, shadow, quiet)

@@ -111,23 +111,22 @@ class RawLoop:
         """What lies at a byte of `memory`, for people."""
         f, i = self._navigation.f, self._navigation.i
         if offset < f.nbytes:
-            return f"f[{offset // f.itemsize}]"
+            return _name(offset // f.itemsize)
         if offset < f.nbytes + i.nbytes:
-            return f"i[{(offset - f.nbytes) // 8}]"
+            return _name((offset - f.nbytes) // 8, integer=True)
         return f"epoch.{gnss.FIELD_NAMES[(offset - f.nbytes - i.nbytes) // 8]}"
 
     def configuration(self) -> dict[str, float]:
         """What only the configuration decides, by place."""
         f, i = self._navigation.f, self._navigation.i
-        floats = {_tuning_name(k): float(f[k]) for k in range(layout.CONFIG, layout.F_SIZE)}
-        return floats | {
-            _tuning_name(k, integer=True): int(i[k]) for k in range(layout.SWITCHES, layout.I_SIZE)
-        }
+        floats = {_name(k): float(f[k]) for k in range(layout.CONFIG, layout.F_SIZE)}
+        return floats | {_name(k, integer=True): int(i[k]) for k in range(layout.SWITCHES, layout.I_SIZE)}
 
 
-def _tuning_name(place: int, integer: bool = False) -> str:
-    """Name of a place of the configuration, as in `firmware.nav.tuning`; behind the first of several +k."""
-    names = {value: name for name, value in vars(tuning).items() if name.isupper() and isinstance(value, int)}
-    first = max((at for at in names if at <= place and (at >= layout.CONFIG) != integer), default=place)
-    name = names.get(first, "i" if integer else "f")
-    return name if place == first else f"{name}+{place - first}"
+def _name(place: int, integer: bool = False) -> str:
+    """Of a place of the state, for people; of the configuration as in `firmware.nav.tuning`."""
+    held = f"{'i' if integer else 'f'}[{place}]"
+    if place < (layout.SWITCHES if integer else layout.CONFIG):
+        return held
+    names = {value: name for name, value in vars(tuning).items() if name.isupper() and type(value) is int}
+    return f"{names[place]} {held}" if place in names else held
