@@ -16,6 +16,7 @@ from host.cli.capture_command import app as capture_app
 from host.cli.diff_command import diff_command
 from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
 from host.cli.faults_command import faults_command
+from host.cli.monitor_command import monitor_command
 from host.cli.new_command import app as new_app
 from host.cli.plain_text import PLAINLY
 from host.cli.replay_command import replay_command
@@ -165,6 +166,7 @@ app.add_typer(capture_app, name="capture")
 app.add_typer(attach_app, name="attach")
 app.command("replay")(replay_command)
 app.command("diff")(diff_command)
+app.command("monitor")(monitor_command)
 
 
 def main() -> None:

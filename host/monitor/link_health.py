@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import deque
 
 from host.link.decoder import LinkDecoder
+from host.monitor.listener import Receiver
 
 WINDOW_S = 5.0
 """Rates are means over this time."""
@@ -31,6 +32,13 @@ class LinkHealth:
         self.lost = decoder.lost
         self.unknown = decoder.unknown
         self.garbage_bytes = decoder.garbage_bytes
+        self.note(at_s)
+
+    def count_receiver(self, receiver: Receiver, at_s: float) -> None:
+        """The same of a plain receiver."""
+        self.sentences = receiver.heard
+        self.bad_crc = receiver.bad_checksums
+        self.garbage_bytes = receiver.garbage_bytes
         self.note(at_s)
 
     def note(self, at_s: float) -> None:

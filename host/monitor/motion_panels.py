@@ -6,7 +6,8 @@ import math
 
 from rich.text import Text
 
-from host.link.messages import Solution
+from firmware.drivers import gnss_epoch as epoch
+from host.link.messages import Gnss, Solution
 from host.monitor.horizon import compass, horizon
 from host.monitor.state import BoardState
 from host.monitor.words import degrees, latitude, longitude, mode_name, number, utc
@@ -20,7 +21,7 @@ def attitude_lines(state: BoardState, width: int, height: int) -> list[Text]:
     """Horizon, compass, and the three angles with σ."""
     solution = state.solution
     if solution is None:
-        return [Text("no solution yet", "dim")]
+        return [Text("no attitude yet" if state.gnss is None else "no attitude from a receiver", "dim")]
     numbers = _angles(solution)
     left = height - len(numbers) - 1
     if left < LEAST_HORIZON:
@@ -59,7 +60,7 @@ def motion_lines(state: BoardState, width: int, height: int) -> list[Text]:
     """Position, velocity, their σ and UTC, the more important lines first when there is little room."""
     solution = state.solution
     if solution is None:
-        return [Text("no solution yet", "dim")]
+        return _receiver_lines(state.gnss)[:height]
     style = "bold" if state.is_navigating else "dim"
     speed, course = speed_and_course(solution)
     lines = [
@@ -77,6 +78,25 @@ def motion_lines(state: BoardState, width: int, height: int) -> list[Text]:
     if height >= len(lines):
         lines[7:7] = [Text("velocity, m/s", "dim")] if height > len(lines) else []
     return lines[:height]
+
+
+def _receiver_lines(gnss: Gnss | None) -> list[Text]:
+    """What a receiver alone can tell."""
+    if gnss is None:
+        return [Text("no position yet", "dim")]
+    flags = gnss.flags
+    style = "bold" if flags & epoch.HAS_POSITION else "dim"
+    height = gnss.height_mm if flags & epoch.HAS_HEIGHT else None
+    speed = gnss.speed_mmps / 1000 if flags & epoch.HAS_SPEED else None
+    course = gnss.course_e5deg * 1e-5 if flags & epoch.HAS_COURSE else None
+    return [
+        Text(latitude(gnss.lat_nanodeg).rjust(16), style),
+        Text(longitude(gnss.lon_nanodeg).rjust(16), style),
+        _line("height", number(None if height is None else height / 1000, 2, 9), "m", style),
+        _line("speed", number(None if speed is None else speed * KMH, 1, 9), "km/h", style),
+        _line("course", number(course, 1, 9), "°", style),
+        Text(utc(gnss.time_of_day_ms, gnss.date_days) + " UTC"),
+    ]
 
 
 def speed_and_course(solution: Solution) -> tuple[float, float | None]:

@@ -21,6 +21,7 @@ from host.link.decoder import LinkDecoder
 from host.link.messages import Message, Solution, Status
 from host.monitor.health_panels import event_lines, imu_lines, innovation_lines, link_lines, task_lines
 from host.monitor.link_health import LinkHealth
+from host.monitor.listener import Listener
 from host.monitor.map import TrackMap
 from host.monitor.motion_panels import attitude_lines, motion_lines
 from host.monitor.receiver_panels import satellite_lines, sky_lines
@@ -46,15 +47,28 @@ class MonitorView:
         self.source_style = ""
         self.hint = ""
         """The last line: keys, or what the user could do."""
+        self._begin(decoder if decoder is not None else LinkDecoder())
+
+    def _begin(self, decoder: LinkDecoder) -> None:
         self.state = BoardState()
         self.link = LinkHealth()
-        self._decoder = decoder if decoder is not None else LinkDecoder()
+        self.listener = Listener(decoder)
+        self._decoder = decoder
         self._map = TrackMap()
 
+    def forget(self) -> None:
+        """Begin anew, as if nothing had been said."""
+        self._begin(LinkDecoder())
+
     def feed(self, data: bytes, at_s: float) -> None:
-        """Bytes of the board that came at `at_s`, s of the source's clock."""
+        """Bytes of the board, or of a plain receiver, that came at `at_s`, s of the source's clock."""
         self.link.bytes += len(data)
-        self.take(self._decoder.feed(data), at_s)
+        self.take(self.listener.feed(data, at_s), at_s)
+
+    def time_passes(self, at_s: float) -> None:
+        """Nothing came until `at_s`."""
+        self.state.at_s = max(self.state.at_s, at_s)
+        self.link.note(at_s)
 
     def take(self, messages: Iterable[tuple[int, Message]], at_s: float) -> None:
         """Messages that came at `at_s`."""
@@ -66,7 +80,12 @@ class MonitorView:
                     restarts = self.state.restarts
                     self.link.forget_arrivals()
                 self.link.note_arrival(message.time_us, at_s)
-        self.link.count(self._decoder, at_s)
+        receiver = self.listener.receiver
+        if receiver is None:
+            self.link.count(self._decoder, at_s)
+        else:
+            self.state.fix_name = receiver.fix_name
+            self.link.count_receiver(receiver, at_s)
 
     def say(self, text: str) -> None:
         """An event of the embedder's."""
@@ -87,7 +106,7 @@ class MonitorView:
             body = self._large(width, height - 2)
         root = Layout()
         root.split_column(
-            Layout(self._head(width), size=1), body, Layout(_line(Text(self.hint, "dim")), size=1)
+            Layout(self._head(width), size=1), body, Layout(_line(Text(self.hint or " ", "dim")), size=1)
         )
         return root
 

@@ -1,0 +1,186 @@
+"""A capture, played: the board's own bytes where the file has them, else its decoded topics.
+
+Where the file holds neither, the line of a recorded receiver is listened to. A file is read once from front
+to back; records that stand in it a little out of order are put into theirs. A jump back begins anew.
+"""
+
+from __future__ import annotations
+
+import heapq
+import json
+import time
+from collections.abc import Iterator
+from itertools import count
+from pathlib import Path
+
+from host.capture.blocks import LinePiece, UartChunk, unpack
+from host.capture.places import capture_path
+from host.capture.reader import CaptureReader
+from host.link.messages import Message
+from host.monitor.capture_rows import KNOWN, message_of
+from host.monitor.pace import Pace
+from host.monitor.view import MonitorView
+from host.monitor.words import duration
+from host.record.errors import UserError
+from host.run.intake import HOST_PORT
+
+BOARD_LINE = f"/uart/{HOST_PORT}/tx"
+BATCH_NS = 30_000_000_000
+"""Decoded rows are written in batches of some ten seconds: so far they may stand behind later ones."""
+DATED_NS = 30 * 86_400 * 1_000_000_000
+"""A file that begins later than this counts from some calendar's beginning: it is shown from its own."""
+SEEK_S = 10.0
+PIECES_A_LOOK = 64
+
+Piece = tuple[int, bytes | tuple[int, Message]]
+"""Time in ns, and bytes of a line or a message."""
+
+
+class CaptureSource:
+    """Implements `host.monitor.source.Source`."""
+
+    hint = "q quit   space pause   ←/→ 10 s back/on   +/- speed"
+
+    def __init__(self, path: Path, speed: float) -> None:
+        """Looks at what the file holds. Raises UserError when there is nothing to show."""
+        self._path = capture_path(path)
+        self.title = str(path)
+        self.pace = Pace(speed)
+        self.length_s = CaptureReader(self._path).recorded_s()
+        self._begin()
+
+    def _begin(self) -> None:
+        self._reader = CaptureReader(self._path)
+        self._now_s = 0.0
+        self._seek_s: float | None = None
+        self._ended = False
+        self._pieces = self._played()
+        self._next = next(self._pieces, None)
+        self._origin_ns = 0
+        if self._next is not None and self._next[0] > DATED_NS:
+            self._origin_ns = self._next[0]
+        if self._next is None:
+            raise UserError(
+                f"capture {self._path}: nothing to show; it holds neither {BOARD_LINE} nor any of"
+                f" {', '.join(sorted(KNOWN))} nor the line of a receiver"
+            )
+
+    @property
+    def now_s(self) -> float:
+        """Of the recorded run."""
+        return self._now_s
+
+    @property
+    def ended(self) -> bool:
+        """The last record was handed over."""
+        return self._ended
+
+    def pump(self, view: MonitorView, budget_s: float, until_s: float = float("inf")) -> None:
+        """Play what is due."""
+        deadline = time.monotonic() + budget_s
+        due_s = self._seek_s if self._seek_s is not None else self.pace.due_s(self._now_s)
+        due_s = min(due_s, until_s)
+        played = 0
+        while self._next is not None and self._next[0] - self._origin_ns <= due_s * 1e9:
+            self._hand_over(view)
+            played += 1
+            if played % PIECES_A_LOOK == 0 and time.monotonic() > deadline:
+                break
+        else:
+            self._arrive(due_s)
+        view.time_passes(self._now_s)
+        self._tell(view)
+
+    def press(self, key: str, view: MonitorView) -> None:
+        """Pause, jumps, speed."""
+        if key == " ":
+            self.pace.paused = not self.pace.paused
+        elif key == "right":
+            self._seek_s = self._now_s + SEEK_S
+        elif key == "left":
+            to_s = max(self._now_s - SEEK_S, 0.0)
+            view.forget()
+            self._begin()
+            self._seek_s = to_s
+        elif key in ("+", "-") and self.pace.speed:
+            self.pace.speed = min(max(self.pace.speed * (2.0 if key == "+" else 0.5), 0.125), 1024.0)
+
+    def close(self) -> None:
+        """Let go of the file."""
+        self._pieces = iter(())
+        self._next = None
+
+    def _hand_over(self, view: MonitorView) -> None:
+        assert self._next is not None
+        time_ns, what = self._next
+        self._now_s = max(self._now_s, (time_ns - self._origin_ns) / 1e9)
+        if isinstance(what, bytes):
+            view.feed(what, self._now_s)
+        else:
+            view.take([what], self._now_s)
+        self._next = next(self._pieces, None)
+
+    def _arrive(self, due_s: float) -> None:
+        """All that was due is played."""
+        if self._next is None:
+            self._ended = True
+        elif due_s != float("inf"):
+            self._now_s = max(self._now_s, due_s)
+        if self._seek_s is not None:
+            self._seek_s = None
+            self.pace.jump(self._now_s)
+
+    def _tell(self, view: MonitorView) -> None:
+        length = "" if self.length_s is None else f" of {duration(self.length_s - self._origin_ns / 1e9)}"
+        state = "seeking" if self._seek_s is not None else "end" if self._ended else self.pace.told()
+        view.source = f"{state}{length}"
+        view.source_style = "yellow" if self._ended or self.pace.paused else "green"
+        if self._ended and not self._reader.complete:
+            view.source += ", the file is not whole"
+
+    def _played(self) -> Iterator[Piece]:
+        line = self._line()
+        if line is not None:
+            yield from self._bytes_of(line)
+        else:
+            yield from _in_order(self._rows())
+
+    def _line(self) -> str | None:
+        """The raw line to listen to; None: there are rows, or nothing."""
+        seen: set[str] = set()
+        for message in CaptureReader(self._path).messages():
+            if message.topic == BOARD_LINE:
+                return BOARD_LINE
+            seen.add(message.topic)
+        if seen & KNOWN - {"/event"}:
+            return None
+        lines = sorted(topic for topic in seen if topic.startswith("/uart/") and topic.endswith("/rx"))
+        return lines[0] if lines else None
+
+    def _bytes_of(self, line: str) -> Iterator[Piece]:
+        for message in self._reader.messages():
+            if message.topic == line:
+                for record in unpack(message.schema.name, message.topic, message.data):
+                    if isinstance(record, UartChunk | LinePiece):
+                        yield record.end_ns, record.data
+
+    def _rows(self) -> Iterator[Piece]:
+        for raw in self._reader.messages():
+            if raw.topic in KNOWN and raw.encoding == "json":
+                message = message_of(raw.topic, raw.time_ns, json.loads(raw.data))
+                if message is not None:
+                    yield raw.time_ns, message
+
+
+def _in_order(pieces: Iterator[Piece]) -> Iterator[Piece]:
+    """By time, where none stands more than BATCH_NS behind a later one."""
+    waiting: list[tuple[int, int, Piece]] = []
+    number = count()
+    latest = 0
+    for piece in pieces:
+        heapq.heappush(waiting, (piece[0], next(number), piece))
+        latest = max(latest, piece[0])
+        while waiting and waiting[0][0] < latest - BATCH_NS:
+            yield heapq.heappop(waiting)[2]
+    while waiting:
+        yield heapq.heappop(waiting)[2]
