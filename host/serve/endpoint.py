@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any, Protocol
+from dataclasses import dataclass
+from typing import Protocol
 
 from host.serve.hub import Hub
 
@@ -17,10 +17,10 @@ class Terms:
     """How an endpoint treats its clients."""
 
     tell: Tell
-    lossless: bool = False
-    """True: the run waits for clients that read (no pace); False: who does not keep up loses data."""
     stall_s: float = 10.0
     """While lossless: a client that takes nothing for so long is cut off."""
+    lossless: bool = False
+    """True: the run waits for clients that read (no pace); False: who does not keep up loses data."""
     line_baud: Callable[[], int] | None = None
     """The line's bit rate now."""
 
@@ -38,8 +38,7 @@ class Traffic:
     taken: int = 0
     """Bytes that clients sent."""
     cut_off: int = 0
-    """Clients that stalled and were cut off, and whoever else had to be turned away."""
-    notes: dict[str, Any] = field(default_factory=dict)
+    """Clients that stalled and were cut off."""
 
 
 class Endpoint(Protocol):
@@ -58,7 +57,7 @@ class Endpoint(Protocol):
         ...
 
     def take(self, room: int) -> bytes:
-        """At most `room` bytes of what clients sent, in the order in which it came."""
+        """At most `room` bytes of what clients sent, each client's in their order."""
         ...
 
     def attend(self) -> None:
