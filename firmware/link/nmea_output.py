@@ -12,6 +12,7 @@ have six decimals (1.9 mm); no sentence exceeds 82 characters.
 from __future__ import annotations
 
 from enum import Enum
+from functools import lru_cache
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -21,6 +22,8 @@ from firmware.link.nmea_checksum import exclusive_or
 from firmware.numerics.dialect import entry_point
 
 LONGEST: Final = 82
+OF_ONE_FIX: Final = 4
+"""Texts kept because the sentences of one fix share them."""
 MILLIKNOTS_PER_463: Final = 900
 """A knot is 463/900 m/s."""
 
@@ -81,15 +84,17 @@ class NmeaWriter:
         """Position, quality and height; the height is empty while the geoid separation is not known."""
         quality = fix.validity.value[0]
         if not quality:
-            return self.seal(f"{self._talker}GGA,{_time(fix)},,,,,0,{fix.satellites:02d},99.99,,,,,,")
+            return self.seal(
+                f"{self._talker}GGA,{_clock(fix.time_of_day_ms)},,,,,0,{fix.satellites:02d},99.99,,,,,,"
+            )
         hdop = min(fix.hdop_centi, 9999)
         altitude, separation = "", ""
         if fix.separation_mm is not None:
             altitude = _tenths(fix.height_mm - fix.separation_mm, 100)
             separation = _tenths(fix.separation_mm, 100)
         return self.seal(
-            f"{self._talker}GGA,{_time(fix)},{_position(fix)},{quality},{min(fix.satellites, 99):02d},"
-            f"{hdop // 100}.{hdop % 100:02d},{altitude},M,{separation},M,,"
+            f"{self._talker}GGA,{_clock(fix.time_of_day_ms)},{_position(fix)},{quality},"
+            f"{min(fix.satellites, 99):02d},{hdop // 100}.{hdop % 100:02d},{altitude},M,{separation},M,,"
         )
 
     def rmc(self, fix: OwnFix) -> bytes:
@@ -98,7 +103,7 @@ class NmeaWriter:
         position = _position(fix) if quality else ",,,"
         speed = _knots(fix.speed_mmps) if quality else ""
         return self.seal(
-            f"{self._talker}RMC,{_time(fix)},{status},{position},{speed},{_course(fix)},{_date(fix)},,,{mode}"
+            f"{self._talker}RMC,{_clock(fix.time_of_day_ms)},{status},{position},{speed},{_course(fix)},{_calendar(fix.date_days)},,,{mode}"
         )
 
     def vtg(self, fix: OwnFix) -> bytes:
@@ -121,30 +126,32 @@ class NmeaWriter:
         """Time, heading, roll, pitch and their sigmas; roll right side down, pitch nose up positive."""
         quality = fix.validity.value[0]
         if not quality:
-            return self.seal(f"PASHR,{_time(fix)},,T,,,,,,,0,1")
+            return self.seal(f"PASHR,{_clock(fix.time_of_day_ms)},,T,,,,,,,0,1")
         sigmas = (fix.roll_sigma_mdeg, fix.pitch_sigma_mdeg, fix.heading_sigma_mdeg)
         printed = ",".join(f"{min(s, 99999) // 1000}.{min(s, 99999) % 1000:03d}" for s in sigmas)
         return self.seal(
-            f"PASHR,{_time(fix)},{_hundredths(fix.heading_centideg % 36000)},T,"
+            f"PASHR,{_clock(fix.time_of_day_ms)},{_hundredths(fix.heading_centideg % 36000)},T,"
             f"{_signed(fix.roll_centideg)},{_signed(fix.pitch_centideg)},,{printed},{quality},4"
         )
 
 
-def _time(fix: OwnFix) -> str:
-    if fix.time_of_day_ms is None:
+@lru_cache(OF_ONE_FIX)
+def _clock(time_of_day_ms: int | None) -> str:
+    if time_of_day_ms is None:
         return ""
-    seconds, hundredths = divmod(fix.time_of_day_ms // 10, 100)
+    seconds, hundredths = divmod(time_of_day_ms // 10, 100)
     minutes, seconds = divmod(seconds, 60)
     hours, minutes = divmod(minutes, 60)
     return f"{hours % 24:02d}{minutes:02d}{seconds:02d}.{hundredths:02d}"
 
 
-def _date(fix: OwnFix) -> str:
+@lru_cache(OF_ONE_FIX)
+def _calendar(date_days: int | None) -> str:
     """ddmmyy, by the calendar that repeats every 4 years from March on (1980 … 2099)."""
-    if fix.date_days is None:
+    if date_days is None:
         return ""
     # days since 1980-03-01; each cycle of four years ends with a leap day
-    cycle, day = divmod(fix.date_days - 55, 1461)
+    cycle, day = divmod(date_days - 55, 1461)
     year = min(day // 365, 3)
     day -= 365 * year
     month = (5 * day + 2) // 153
@@ -153,6 +160,7 @@ def _date(fix: OwnFix) -> str:
     return f"{day + 1:02d}{(month + 2) % 12 + 1:02d}{year % 100:02d}"
 
 
+@lru_cache(OF_ONE_FIX)
 def _angle(nanodeg: int, digits: int) -> str:
     micro_minutes = (abs(nanodeg) * 60 + 500) // 1000
     degrees, minutes = divmod(micro_minutes, 60_000_000)

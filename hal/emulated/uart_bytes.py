@@ -42,9 +42,13 @@ class SentBytes:
         """End of the stop bit of one byte."""
         return self.start + (self.first + index + 1) * FRAME // self.baud
 
+    def frames_ended(self, time_ns: int) -> int:
+        """How many frames of a run without end would have ended at `time_ns`, not before `start`."""
+        return ((time_ns - self.start + 1) * self.baud - 1) // FRAME
+
     def ended_by(self, time_ns: int) -> int:
         """How many of the bytes have ended at `time_ns`."""
-        frames = ((time_ns - self.start + 1) * self.baud - 1) // FRAME - self.first
+        frames = self.frames_ended(time_ns) - self.first
         return max(0, min(frames, len(self.data)))
 
     def begun_before(self, time_ns: int) -> int:

@@ -81,12 +81,15 @@ class UartWire:
     @property
     def queued(self) -> int:
         """Bytes queued that have not been sent completely."""
-        self._forget_sent()
-        queue = self._queue
-        if not queue:
+        now = self.time.now
+        if self._end <= now:
             return 0
-        count = -queue[0].ended_by(self.time.now)
-        for piece in queue:
+        last = self._queue[-1]
+        if last.start <= now:  # all that was queued before this run has been sent
+            return last.first + len(last.data) - last.frames_ended(now)
+        self._forget_sent()
+        count = -self._queue[0].ended_by(now)
+        for piece in self._queue:
             count += len(piece.data)
         return count
 
