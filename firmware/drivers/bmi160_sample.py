@@ -12,6 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware.drivers.signed_words import signed_16
 from firmware.numerics.dialect import kernel
 
 BURST_LENGTH = 16
@@ -44,13 +45,6 @@ def scales(gyro_range_dps: int, accel_range_g: int) -> NDArray[np.float32]:
     rate = math.pi / 180.0 / LSB_PER_DPS[gyro_range_dps]
     force = STANDARD_GRAVITY / LSB_PER_G[accel_range_g]
     return np.array([rate, force], np.float32)
-
-
-@kernel
-def signed_16(low, high):
-    """Two's complement of two bytes."""
-    left = np.int32((np.int64(high) << 24) | (np.int64(low) << 16))
-    return np.float32(np.int32(left >> 16))
 
 
 @kernel
