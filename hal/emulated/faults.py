@@ -30,16 +30,35 @@ class Fault:
         self.start_ns = start_ns
         self.end_ns = end_ns
         self.fired = 0
+        self._at_work: bool | None = None
+        """None: not yet; False: it has passed."""
+        self._end: Callable[[], None] = _nothing
+
+    def lift(self) -> None:
+        """End it now, or see to it that it does not begin. Harmless when it has passed."""
+        end = self._end if self._at_work else _nothing
+        self._at_work = False
+        end()
 
     def _schedule(self, time: VirtualTime, begin: Callable[[], None], end: Callable[[], None]) -> None:
         if self.end_ns <= time.now:
             raise ValueError(f"fault ends at {self.end_ns} ns, which has passed (now {time.now} ns)")
+        self._end = end
         if self.start_ns <= time.now:
-            begin()
+            self._begin(begin)
         else:
-            time.at(self.start_ns, begin)
+            time.at(self.start_ns, lambda: self._begin(begin))
         if self.end_ns < FAR:
-            time.at(self.end_ns, end)
+            time.at(self.end_ns, self.lift)
+
+    def _begin(self, begin: Callable[[], None]) -> None:
+        if self._at_work is None:
+            self._at_work = True
+            begin()
+
+
+def _nothing() -> None:
+    pass
 
 
 class BitErrors:
@@ -288,7 +307,10 @@ class UartWrongBaud(UartFault):
 
 
 class UartGarbage(UartFault):
-    """`length` random bytes at the line's rate drown what is sent meanwhile. `fired`: bytes of noise."""
+    """`length` random bytes at the line's rate drown what is sent meanwhile. `fired`: bytes of noise.
+
+    It ends with its last byte; `lift` only keeps it from beginning.
+    """
 
     frame_by_frame = True
     breaks_frame = True

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 from boards.assembly import AssembledBoard
 from boards.hints import did_you_mean
@@ -31,16 +31,28 @@ from hal.emulated.virtual_time import FAR, SECOND
 from host.record.errors import UserError
 from host.record.result import FaultUse
 from host.run.surroundings import ReceiverSight
-from host.sim.gnss.faults import GNSS_FAULT_KINDS
+from host.sim.gnss.faults import GNSS_FAULT_KINDS, glitches_of
+from host.sim.gnss.schedule import Window
+from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.schema import Fault
+
+
+class Effect(NamedTuple):
+    """What a fault does where it was put."""
+
+    fired: Callable[[], int]
+    """How often it has struck."""
+    lift: Callable[[], None] | None = None
+    """Ends it before its time. None: it is over in an instant, or ends by itself."""
 
 
 @dataclass(frozen=True)
 class Placed:
-    """A fault in its place; `fired` tells how often it has struck."""
+    """A fault in its place; `fired` tells how often it has struck, `lift` ends it (see `Effect`)."""
 
     fault: Fault
     fired: Callable[[], int]
+    lift: Callable[[], None] | None = None
 
     def use(self) -> FaultUse:
         """The row of the result."""
@@ -71,21 +83,44 @@ def place_faults(
                 f"fault {name_of(fault)!r}: at_s = {fault.at_s:g} is not before the end of the run at"
                 f" {duration_ns / SECOND:g} s; for example at_s = {duration_ns / SECOND / 2:g}"
             )
-    return [_place(fault, board, sights, seed) for fault in faults]
+    return [_of_scenario(fault, board, sights, seed) for fault in faults]
 
 
-def _place(fault: Fault, board: AssembledBoard, sights: dict[str, ReceiverSight], seed: int) -> Placed:
-    if fault.kind in GNSS_FAULT_KINDS:
+def _of_scenario(fault: Fault, board: AssembledBoard, sights: dict[str, ReceiverSight], seed: int) -> Placed:
+    if fault.kind in GNSS_FAULT_KINDS:  # the world has it already
         sight = _target(fault, sights, "receiver")
         return Placed(fault, lambda: sight.fired(name_of(fault)))
+    return place_on_board(fault, board, seed, round(fault.at_s * SECOND))
+
+
+def place_now(fault: Fault, board: AssembledBoard, sights: dict[str, ReceiverSight], seed: int) -> Placed:
+    """Install a fault that begins at this instant, whatever its `at_s`. Raises as `place_faults`."""
+    now_ns = board.time.now
+    if fault.kind not in GNSS_FAULT_KINDS:
+        return place_on_board(fault, board, seed, now_ns)
+    sight = _target(fault, sights, "receiver")
+    try:
+        (glitch,) = glitches_of([fault.model_copy(update={"at_s": 0.0})], fault.target, FAR)
+    except ScenarioError as error:
+        raise UserError(str(error)) from None
+    glitch.window = Window(now_ns, min(FAR, now_ns + glitch.window.end_ns))
+    sight.strike(glitch)
+
+    def lift() -> None:
+        glitch.window = Window(now_ns, board.time.now)
+
+    return Placed(fault, lambda: glitch.fired, lift)
+
+
+def place_on_board(fault: Fault, board: AssembledBoard, seed: int, start_ns: int) -> Placed:
+    """Install a fault of one of the `KINDS`, from `start_ns` on, whatever its `at_s`. Raises UserError."""
     maker = KINDS.get(fault.kind)
     if maker is None:
         hint = did_you_mean(fault.kind, [*KINDS, *GNSS_FAULT_KINDS])
         raise UserError(f"fault {name_of(fault)!r}: no kind of fault {fault.kind!r}; {hint}")
-    start = round(fault.at_s * SECOND)
-    end = FAR if fault.duration_s is None else start + round(fault.duration_s * SECOND)
+    end_ns = FAR if fault.duration_s is None else start_ns + round(fault.duration_s * SECOND)
     try:
-        return Placed(fault, maker(Site(fault, board, start, end, seed)))
+        return Placed(fault, *maker(Site(fault, board, start_ns, end_ns, seed)))
     except (TypeError, ValueError, KeyError, AttributeError) as error:
         raise UserError(f"fault {name_of(fault)!r} ({fault.kind}): {error}") from None
 
@@ -139,61 +174,68 @@ def _target(fault: Fault, table: Any, what: str) -> Any:
     return table[fault.target] if isinstance(table, dict) else None
 
 
-def _on_spi(kind: type[wire_faults.SpiFault], **defaults: Any) -> Callable[[Site], Callable[[], int]]:
-    def place(site: Site) -> Callable[[], int]:
+def _on_spi(kind: type[wire_faults.SpiFault], **defaults: Any) -> Callable[[Site], Effect]:
+    def place(site: Site) -> Effect:
         options = site.parameters(**defaults)
         if kind is wire_faults.SpiBitErrors:
             options |= site.stream
         fault = kind(site.start, site.end, **options)
         fault.install(site.of(site.board.spi_devices, "SPI device"))
-        return lambda: fault.fired
+        return Effect(lambda: fault.fired, fault.lift)
 
     return place
 
 
 def _on_uart(
     kind: Callable[..., wire_faults.UartFault], seeded: bool = False, **defaults: Any
-) -> Callable[[Site], Callable[[], int]]:
-    def place(site: Site) -> Callable[[], int]:
+) -> Callable[[Site], Effect]:
+    def place(site: Site) -> Effect:
         options = site.parameters(**defaults)
         if seeded:
             options |= site.stream
-        times = (site.start,) if kind is wire_faults.UartGarbage else (site.start, site.end)
+        ends_by_itself = kind is wire_faults.UartGarbage
+        times = (site.start,) if ends_by_itself else (site.start, site.end)
         fault = kind(*times, **options)
         fault.install(site.of(site.board.to_board, "UART"))
-        return lambda: fault.fired
+        return Effect(lambda: fault.fired, None if ends_by_itself else fault.lift)
 
     return place
 
 
-def _disturb_can(site: Site) -> Callable[[], int]:
+def _disturb_can(site: Site) -> Effect:
     site.parameters()
     fault = wire_faults.CanDisturbance(site.start, site.end)
     fault.install(site.of(site.board.can_buses, "CAN bus"))
-    return lambda: fault.fired
+    return Effect(lambda: fault.fired, fault.lift)
 
 
-def _once(site: Site, begin: Callable[[], Any], end: Callable[[], Any] | None = None) -> Callable[[], int]:
+def _once(site: Site, begin: Callable[[], Any], end: Callable[[], Any] | None = None) -> Effect:
     """A fault that happens at an instant, and perhaps ends at another."""
     site.parameters()
     fired = 0
+    over = False
 
     def strike() -> None:
         nonlocal fired
-        fired += 1
-        begin()
+        if not over:
+            fired += 1
+            begin()
 
     def pass_over() -> None:
-        if end is not None:
+        nonlocal over
+        if fired and not over and end is not None:
             end()
+        over = True
 
     site.board.time.at(site.start, strike)
-    if end is not None and site.end < FAR:
+    if end is None:
+        return Effect(lambda: fired)
+    if site.end < FAR:
         site.board.time.at(site.end, pass_over)
-    return lambda: fired
+    return Effect(lambda: fired, pass_over)
 
 
-def _reset_chip(site: Site) -> Callable[[], int]:
+def _reset_chip(site: Site) -> Effect:
     chip = site.of(site.board.chips, "chip")
 
     def dip() -> None:
@@ -203,27 +245,27 @@ def _reset_chip(site: Site) -> Callable[[], int]:
     return _once(site, dip)
 
 
-def _switch_chip_off(site: Site) -> Callable[[], int]:
+def _switch_chip_off(site: Site) -> Effect:
     chip = site.of(site.board.chips, "chip")
     return _once(site, lambda: chip.power(False), lambda: chip.power(True))
 
 
-def _pull_card(site: Site) -> Callable[[], int]:
+def _pull_card(site: Site) -> Effect:
     log = site.of(site.board.logs, "log")
     return _once(site, log.remove, log.insert)
 
 
-def _spoil_state(site: Site) -> Callable[[], int]:
+def _spoil_state(site: Site) -> Effect:
     program = site.of(site.board.programs, "processor")
     return _once(site, program.spoil)
 
 
-def _reset_cpu(site: Site) -> Callable[[], int]:
+def _reset_cpu(site: Site) -> Effect:
     cpu = site.of(site.board.cpus, "processor")
     return _once(site, lambda: cpu.reset("fault of the scenario"))
 
 
-KINDS: dict[str, Callable[[Site], Callable[[], int]]] = {
+KINDS: dict[str, Callable[[Site], Effect]] = {
     "spi-bit-errors": _on_spi(wire_faults.SpiBitErrors, probability=1e-4, line="miso"),
     "spi-missing": _on_spi(wire_faults.SpiMissingChip, level=True),
     "spi-register": _on_spi(wire_faults.SpiRegisterOverride, register=0x00, value=0x00),

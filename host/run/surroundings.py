@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from boards.chips.world import GnssEpoch, GnssWorld, ImuWorld
 from boards.description import Chip
+from host.sim.gnss.glitched import GlitchedReceiver
+from host.sim.gnss.schedule import Glitch
 from host.sim.world import World
 
 DAY_MS = 86_400_000
@@ -44,6 +46,12 @@ class ReceiverSight:
         if len(self._valid_ns) > EPOCHS_REMEMBERED:
             self._valid_ns.popitem(last=False)
         return epoch
+
+    def strike(self, glitch: Glitch) -> None:
+        """From now on the receiver reports wrongly while `glitch` lasts."""
+        if not isinstance(self._world, GlitchedReceiver):
+            self._world = GlitchedReceiver(self._world, [])
+        self._world.glitches.append(glitch)
 
     def fired(self, fault_name: str) -> int:
         """How many epochs a fault of the receiver's own solution has struck."""
