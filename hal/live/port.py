@@ -12,9 +12,15 @@ import stat
 from enum import Enum
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import serial
 from serial.tools.list_ports import comports
+
+try:
+    import grp
+except ImportError:  # Windows
+    grp = None  # type: ignore[assignment]
 
 EXAMPLE = "e.g. /dev/ttyUSB0 or socket://192.168.1.5:2000"
 READ_TIMEOUT_S = 0.2
@@ -91,13 +97,18 @@ def explained(url: str, baud: int, error: Exception) -> PortError:
 
 def _explained_url(url: str, error: Exception) -> PortError:
     text = str(error)
-    if isinstance(error, ValueError) or "expected a string in the form" in text:
+    if isinstance(error, ValueError) or "expected a string in the form" in text or not _has_port_number(url):
         return PortError(PortProblem.ADDRESS, f"{url!r} is no address of a port: {text}; {EXAMPLE}")
     reason = text.rpartition("] ")[2] if "Errno" in text else text
     return PortError(
         PortProblem.UNREACHABLE,
         f"{url}: nobody answers there ({reason}); is the server running on that port?",
     )
+
+
+def _has_port_number(url: str) -> bool:
+    parts = urlsplit(url)
+    return parts.scheme not in ("socket", "rfc2217") or parts.port is not None
 
 
 def _ports_there_are() -> str:
@@ -107,10 +118,8 @@ def _ports_there_are() -> str:
 
 def _how_to_be_allowed(path: Path) -> str:
     try:
-        import grp
-
         group = grp.getgrgid(path.stat().st_gid).gr_name
-    except (ImportError, KeyError, OSError):
+    except (AttributeError, KeyError, OSError):
         return "ask whoever administers this computer for access to it"
     return f"it belongs to the group {group}: sudo usermod -aG {group} $USER, then log in again"
 

@@ -1,0 +1,14 @@
+"""An emulated Bus Pirate with a BMI160 at a port of its own process, until its input ends.
+
+python tests/live/bridge_process.py /tmp/ttyBRIDGE
+"""
+
+import sys
+from pathlib import Path
+
+from bridged_chips import Desktop
+
+if __name__ == "__main__":
+    with Desktop(Path(sys.argv[1])) as desk:
+        print(desk.url, flush=True)
+        sys.stdin.read()
