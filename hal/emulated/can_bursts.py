@@ -7,10 +7,13 @@ CRC and its stuff bits, is computed for all kept sets at once.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from itertools import chain
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from hal.can import CanFrame
-from hal.emulated.can_frame import INTERFRAME_BITS, LONGEST_FRAME_BITS, frame_lengths
+from hal.emulated.can_frame import INTERFRAME_BITS, LONGEST_FRAME_BITS, check_frame, frame_lengths
 from hal.emulated.virtual_time import SECOND
 
 if TYPE_CHECKING:
@@ -23,6 +26,27 @@ MOST_KEPT = 1024
 HeardFrame = tuple[CanFrame, int, str]
 """A frame, when it ended (ns), and the name of the node that sent it."""
 
+Shape = tuple[tuple[int, ...], tuple[bool, ...], tuple[int, ...]]
+"""Identifiers, whether they are extended ones, and numbers of bytes."""
+
+
+class Burst(NamedTuple):
+    """A set whose first frame begins at `begin_ns`."""
+
+    begin_ns: int
+    node: CanNode
+    frames: tuple[CanFrame, ...]
+
+
+class WorkedOut(NamedTuple):
+    """The frames of kept sets in their order, with what was found out about each."""
+
+    frames: list[CanFrame]
+    senders: list[CanNode]
+    ends_ns: list[int]
+    lengths: list[int]
+    """In bits."""
+
 
 class CanBursts:
     """The kept sets of one bus, in order of time."""
@@ -31,28 +55,44 @@ class CanBursts:
         self.over_by = 0
         """When the last set has ended for sure (ns)."""
         self._bitrate = bitrate
-        self._kept: list[tuple[int, CanNode, tuple[CanFrame, ...]]] = []
+        self._kept: list[Burst] = []
+        self._good_shape: Shape = ((), (), ())
 
     def __len__(self) -> int:
         return len(self._kept)
 
     def keep(self, begin: int, node: CanNode, frames: tuple[CanFrame, ...]) -> None:
-        """Frames of `node`, the first of which begins at `begin` (ns), not before `over_by`."""
-        self._kept.append((begin, node, frames))
+        """Frames of `node`, at least one; the first begins at `begin` (ns), not before `over_by`.
+
+        ValueError for a frame that CAN does not have.
+        """
+        identifiers, data, extended = zip(*frames, strict=True)
+        shape = identifiers, extended, tuple(map(len, data))
+        if shape != self._good_shape:
+            for frame in frames:
+                check_frame(frame)
+            self._good_shape = shape
+        self._kept.append(Burst(begin, node, frames))
         self.over_by = begin + len(frames) * LONGEST_NS // self._bitrate
 
-    def work_out(self) -> list[tuple[int, int, CanNode, CanFrame, int]]:
-        """(begin of the set in ns, bits of it before the frame, node, frame, length in bits) of every frame
-        that was kept; nothing is kept any more."""
+    def take(self) -> list[Burst]:
+        """All kept sets; nothing is kept any more. All but the last have ended."""
         kept, self._kept = self._kept, []
-        lengths = iter(frame_lengths([frame for _begin, _node, frames in kept for frame in frames]))
-        found = []
-        for begin, node, frames in kept:
-            bits = 0
-            for frame, length in zip(frames, lengths, strict=False):
-                found.append((begin, bits, node, frame, length))
-                bits += length + INTERFRAME_BITS
-        return found
+        return kept
+
+    def work_out(self, bursts: list[Burst]) -> WorkedOut:
+        """When every frame of these sets ends, all side by side; at least one."""
+        frames = list(chain.from_iterable([burst.frames for burst in bursts]))
+        counts = [len(burst.frames) for burst in bursts]
+        lengths = frame_lengths(frames)
+        bits = np.array(lengths) + INTERFRAME_BITS
+        behind = np.cumsum(bits)
+        first = np.cumsum(counts) - counts
+        before_set = np.repeat(behind[first] - bits[first], counts)
+        begins = np.repeat(np.array([burst.begin_ns for burst in bursts]), counts)
+        ends = begins + (behind - before_set - INTERFRAME_BITS) * SECOND // self._bitrate
+        senders = [burst.node for burst in bursts for _ in burst.frames]
+        return WorkedOut(frames, senders, ends.tolist(), lengths)
 
 
 class LateCanListener:

@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from hal.can import CanFrame
 from hal.emulated.alarm import Alarm
-from hal.emulated.can_bursts import MOST_KEPT, CanBursts, LateCanListener
-from hal.emulated.can_frame import INTERFRAME_BITS, arbitration_key, check_frame
+from hal.emulated.can_bursts import MOST_KEPT, CanBursts, LateCanListener, WorkedOut
+from hal.emulated.can_frame import INTERFRAME_BITS, arbitration_key, frame_bits
 from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
 
 if TYPE_CHECKING:
@@ -153,10 +153,8 @@ class EmulatedCanBus:
         now = self.time.now
         if not self._keeps_bursts or self._plan or now < self._bursts.over_by or node.error_count:
             return False
-        if len(frames) > node.depth or now < self._instant(self._run_bits):
+        if not frames or len(frames) > node.depth or now < self._instant(self._run_bits):
             return False
-        for frame in frames:
-            check_frame(frame)
         self._bursts.keep(now, node, frames)
         if len(self._bursts) > MOST_KEPT:
             self.catch_up()
@@ -218,26 +216,25 @@ class EmulatedCanBus:
     # -- planning ----------------------------------------------------------------------------------
 
     def _unfold_bursts(self) -> None:
-        """Turn the kept sets into planned frames; those that have ended, all but the last, are settled."""
-        now, rate = self.time.now, self.bitrate
-        alone = not self._listeners and len(self._nodes) == 1
-        heard = []
-        at = length = 0
-        for begin, at, node, frame, length in self._bursts.work_out():
-            self._run_start = begin
-            end = begin + (at + length) * SECOND // rate
-            bits = length + INTERFRAME_BITS
-            if end > now:
-                start = begin + at * SECOND // rate
-                self._plan.append(Transmission(start, end, node, frame, length, bits, True))
-                node.planned += 1
-            elif alone:
-                self._busy_bits += bits
-                heard.append((frame, end, node.name))
+        """Settle the kept sets; of the last one, what has not ended becomes planned frames."""
+        *over, last = self._bursts.take()
+        if over:
+            ended = self._bursts.work_out(over)
+            if not self._listeners and len(self._nodes) == 1:
+                self._hear_all(ended)
             else:
-                self._get_through(node, frame, end, bits)
-        self._run_bits = at + length + INTERFRAME_BITS
-        self._frames += len(heard)
+                for frame, sender, end, length in zip(*ended, strict=True):
+                    self._get_through(sender, frame, end, length + INTERFRAME_BITS)
+        self._run_start, self._run_bits = last.begin_ns, 0
+        last.node.queue.extend([(frame, frame_bits(frame)) for frame in last.frames])
+        self._add_all(last.node)
+
+    def _hear_all(self, ended: WorkedOut) -> None:
+        """Frames of the only node, which got through while only late listeners heard."""
+        self._frames += len(ended.frames)
+        self._busy_bits += sum(ended.lengths) + INTERFRAME_BITS * len(ended.frames)
+        names = [sender.name for sender in ended.senders]
+        heard = list(zip(ended.frames, ended.ends_ns, names, strict=True))
         for late in self._late_listeners:
             late.hear_all(heard)
 
