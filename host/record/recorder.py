@@ -38,7 +38,7 @@ from host.record.tables import (
 )
 from host.score.expectations import Limit, flat_figures, judge, with_solution_demanded
 from host.score.rules import ScoringRules
-from host.score.scorer import Scorer
+from host.score.scorer import Score, Scorer
 
 Floats = NDArray[np.float64]
 
@@ -130,6 +130,10 @@ class Recorder:
     def add_status(self, rows: Floats) -> None:
         """Counters that the board told, rows of `host.record.run_data.STATUS_COLUMNS`."""
         self._collector.data.status.add(rows)
+
+    def so_far(self, duration_s: float) -> Score:
+        """The figures of what has been scored by now; the latest seconds still wait."""
+        return self._scorer.so_far(duration_s)
 
     # -- the end -----------------------------------------------------------------------------------
 

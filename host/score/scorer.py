@@ -183,6 +183,10 @@ class Scorer:
     def result(self, duration_s: float) -> Score:
         """Score what still waits and tell all figures. The scorer takes nothing in afterwards."""
         self._judge(math.inf)
+        return self.so_far(duration_s)
+
+    def so_far(self, duration_s: float) -> Score:
+        """All figures of what has been scored by now; the latest seconds still wait."""
         outages = self._outages.finished()
         metrics = self._fused.figures()
         metrics["epochs"] = float(self._epochs)

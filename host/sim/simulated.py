@@ -42,6 +42,7 @@ class SimulatedVehicle:
         self.duration_ns = self.motion.end_ns if wanted_s is None else round(wanted_s * NS)
         self.outages: tuple[Window, ...] = tuple(window(o.start_s, o.duration_s) for o in scenario.outage)
         self.sensors: dict[str, InertialSensor] = {}
+        self._receivers: list[SimulatedReceiver] = []
 
     def imu(self, name: str, mounting: Array, lever_arm: Array, preset: str | None = None) -> InertialSensor:
         """A sensor; `preset` (the board's) counts when the scenario names none."""
@@ -62,7 +63,7 @@ class SimulatedVehicle:
         def antenna(times_ns: NDArray[np.int64]) -> Array:
             return antenna_states(self.motion, times_ns, lever)[:, :6]
 
-        return SimulatedReceiver(
+        receiver = SimulatedReceiver(
             name,
             scenario.gnss,
             antenna,
@@ -72,6 +73,22 @@ class SimulatedVehicle:
             self._seed,
             self.outages,
         )
+        self._receivers.append(receiver)
+        return receiver
+
+    def put_down(self, time_ns: int, place: tuple[float, float, float]) -> None:
+        """From `time_ns` on a vehicle that stands for the whole scenario stands at `place`: latitude,
+        longitude in rad, height in m. Raises ScenarioError for one that moves."""
+        scenario = self._scenario
+        moves = any(segment.kind != "rest" for segment in scenario.segment)
+        if moves or scenario.trajectory.matrix is not None or scenario.initial.speed_mps:
+            raise ScenarioError(
+                f"scenario {scenario.name}: its vehicle moves; only one that stands can be put elsewhere,"
+                " for example in the scenario static"
+            )
+        self.motion.put_down(time_ns, place)
+        for receiver in self._receivers:
+            receiver.forget_ahead()
 
     def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
         """Truth at the vehicle's origin; biases of the sensor `imu`, else of the first one."""

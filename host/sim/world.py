@@ -12,6 +12,7 @@ from boards.chips.world import GnssWorld, ImuWorld
 from host.sim.gnss.faults import glitches_of
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.gnss.schedule import Window
+from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.schema import Scenario
 from host.sim.simulated import SimulatedVehicle
 from host.sim.truth import TruthBatch
@@ -91,6 +92,15 @@ class World:
         receiver = self._vehicle.gnss(name, lever)
         glitches = glitches_of(self.scenario.fault, name, self.duration_ns)
         return GlitchedReceiver(receiver, glitches) if glitches else receiver
+
+    def put_down(self, time_ns: int, latitude: float, longitude: float, height: float) -> None:
+        """From `time_ns` on the standing vehicle stands there (rad, m). Raises ScenarioError if it moves."""
+        if not isinstance(self._vehicle, SimulatedVehicle):
+            raise ScenarioError(
+                f"scenario {self.scenario.name}: its drive is recorded; only a simulated vehicle that stands"
+                " can be put elsewhere, for example in the scenario static"
+            )
+        self._vehicle.put_down(time_ns, (latitude, longitude, height))
 
     def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
         """Truth at the vehicle's origin at rising times; biases of the sensor `imu` (else the first made)."""

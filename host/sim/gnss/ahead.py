@@ -41,6 +41,10 @@ class AntennaAhead:
             state = self._known.pop(time_ns)
         return state
 
+    def forget(self) -> None:
+        """The truth to come is another one."""
+        self._known = {}
+
     def _compute(self, times_ns: NDArray[np.int64]) -> None:
         states = np.hstack((self._truth(times_ns), self._slow.values(times_ns)))
         self._known = dict(zip(times_ns.tolist(), states.tolist(), strict=True))

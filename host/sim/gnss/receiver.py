@@ -95,5 +95,9 @@ class SimulatedReceiver:
             latency_ns=self._latency_ns(jitter),
         )
 
+    def forget_ahead(self) -> None:
+        """Where the antenna will be has changed."""
+        self._ahead.forget()
+
     def _latency_ns(self, jitter: float) -> int:
         return round(max(LEAST_LATENCY_S, self.latency_s + self._settings.latency_jitter_s * jitter) * NS)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from collections.abc import Sequence
+from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,10 +46,30 @@ class Motion:
         self.tables: MotionTables = compile_tables(channels, disturbance)
         self._starts = [np.array(origin, dtype=np.float64)]
         self._chunks: OrderedDict[int, NDArray[np.float64]] = OrderedDict()
+        self._put_down: tuple[int, Motion] | None = None
+        """When somebody put the vehicle elsewhere, and its motion there."""
+
+    def put_down(self, time_ns: int, place: tuple[float, float, float]) -> None:
+        """From `time_ns` on the vehicle stands at `place` (as `origin`). It must be standing by then, and
+        must not have been put down later before."""
+        if self._put_down is not None:
+            self._put_down[1].put_down(time_ns, place)
+            return
+        there = copy(self)
+        there._starts = [np.array(place, dtype=np.float64)] * ((time_ns >> CHUNK_SHIFT) + 1)
+        there._chunks = OrderedDict()
+        self._put_down = time_ns, there
 
     def rows(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
         """Rows of truth (n, 24) at rising times ≥ 0; columns as in `host.sim.trajectory.kinematics`."""
         times_ns = np.ascontiguousarray(times_ns, dtype=np.int64)
+        if self._put_down is None:
+            return self._rows_here(times_ns)
+        from_ns, there = self._put_down
+        before = int(np.searchsorted(times_ns, from_ns))
+        return np.concatenate((self._rows_here(times_ns[:before]), there.rows(times_ns[before:])))
+
+    def _rows_here(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
         out = np.empty((len(times_ns), ROW))
         for chunk, part in split_by_chunk(times_ns):
             fill_rows(
