@@ -25,8 +25,8 @@ FIRST_BLOCK_TICKS, BLOCK_TICKS, FINE_BLOCK_TICKS = 2_816, 22_528, 1_600
 """0.88, 7.04 and 0.5 s of the chip's own clock: the world lets a chip go back by eight seconds when it is
 set up anew."""
 
-_SETTLING_SAMPLES = 4
-"""Output samples until the self-test has deflected."""
+_SETTLING_PERIODS = 3
+"""Of the output, from the switch until the self-test has deflected: the fourth sample shows it all."""
 _LONG_AGO = -(1 << 40)
 
 Triple = tuple[float, float, float]
@@ -181,7 +181,7 @@ class Sampler:
         tick = self.first_tick + row * plan.grid
         gain = np.array(response.gain) / STANDARD_GRAVITY
         answer = np.array((gain, response.bias_g, self._before, response.deflection_g))
-        ramp = np.array((tick, plan.grid, self._switched, _SETTLING_SAMPLES * plan.period), np.int64)
+        ramp = np.array((tick, plan.grid, self._switched, _SETTLING_PERIODS * plan.period), np.int64)
         fill_g(self._values[row:], answer, ramp, self.g[row:])
         if plan.window > 1:
             past = np.concatenate((self._history, self.g[:row]))[1 - plan.window :]
