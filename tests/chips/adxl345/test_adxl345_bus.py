@@ -17,7 +17,7 @@ def details(rig: Rig) -> list[str]:
     return [report.detail for report in rig.chip.reports]
 
 
-# -- SPI ---------------------------------------------------------------------------------------------
+# -- SPI -------------------------------------------------------------------------------------------
 
 
 def test_constants_of_the_sheet() -> None:
@@ -152,7 +152,7 @@ def test_mode() -> None:
     assert Adxl345.spi_modes == (3,)
 
 
-# -- I²C ---------------------------------------------------------------------------------------------
+# -- I²C -------------------------------------------------------------------------------------------
 
 
 class Bus:
@@ -218,7 +218,7 @@ def test_rates_that_are_not_for_i2c(rate: int, reported: bool) -> None:
     assert details(bench.rig) == (["output rate of 1600 Hz or more: not for this bus"] if reported else [])
 
 
-# -- supply --------------------------------------------------------------------------------------------
+# -- supply ----------------------------------------------------------------------------------------
 
 
 def test_without_supply_nothing_answers() -> None:

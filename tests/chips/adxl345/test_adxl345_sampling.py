@@ -1,4 +1,4 @@
-"""Sample clock, turn-on, rates, formats, offsets, self-test, sleep: against closed forms of the fact sheet."""
+"""Sample clock, turn-on, rates, formats, offsets, self-test, sleep: against closed forms of the sheet."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def test_rates_are_those_of_the_sheet() -> None:
         assert abs(float(RATES[code]) - printed) <= 0.0055
 
 
-# -- the sample clock ------------------------------------------------------------------------------------
+# -- the sample clock ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("code", range(16))
@@ -168,7 +168,7 @@ def test_noise_of_the_sheet_comes_out_at_every_rate() -> None:
         assert np.sqrt(variance) == pytest.approx(wanted, rel=0.15)
 
 
-# -- formats -----------------------------------------------------------------------------------------------
+# -- formats ---------------------------------------------------------------------------------------
 
 
 def expected_word(g: float, data_format: int, rate: int) -> int:
@@ -186,7 +186,7 @@ def expected_word(g: float, data_format: int, rate: int) -> int:
 @pytest.mark.parametrize("rate", [0xA, 0xE, 0xF])
 def test_data_format(data_format: int, rate: int) -> None:
     levels = (0.0, 0.61, -0.613, 1.37, -1.999, 2.4, 3.99, -4.7, 7.21, -9.3, 15.9, -16.4, 30.0, -30.0)
-    for first in range(0, len(levels) - 2):
+    for first in range(len(levels) - 2):
         x, y, z = levels[first : first + 3]
         rig = Rig(lambda t, x=x, y=y, z=z: {"fx": x * G, "fy": y * G, "fz": z * G})  # type: ignore[misc]
         rig.byte_ns = 2 * US
@@ -248,7 +248,7 @@ def test_starting_again_waits_for_the_turn_on_time() -> None:
     assert rig.nets["INT1"].level
 
 
-# -- self-test and supply --------------------------------------------------------------------------------------
+# -- self-test and supply --------------------------------------------------------------------------
 
 LIMITS = {2.0: (0.64, 0.80), 2.5: (1.0, 1.0), 3.3: (1.77, 1.47), 3.6: (2.11, 1.69)}
 
@@ -294,7 +294,7 @@ def test_sensitivity_and_offset_at_3_3_volts() -> None:
     assert abs(z - (4 * 256 - 0.020 * 256)) <= 0.6
 
 
-# -- sleep -------------------------------------------------------------------------------------------------------
+# -- sleep -----------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(("code", "rate_hz"), [(0, 8), (1, 4), (2, 2), (3, 1)])
