@@ -60,11 +60,15 @@ class InertialSensor:
     def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> Array:
         """Force (3), rate (3), temperature at rising times; see `boards.chips.world.ImuWorld.sample`."""
         times_ns = np.ascontiguousarray(times_ns, dtype=np.int64)
+        return self.measured(times_ns, self._motion.rows(times_ns), bandwidth_hz)
+
+    def measured(self, times_ns: NDArray[np.int64], rows: Array, bandwidth_hz: float) -> Array:
+        """What `sample` gives at instants whose rows of truth (n, 24) the caller has already; the forces and
+        rates in them may be means over the time since the instant before."""
         out = np.empty((len(times_ns), 7))
         normals = np.empty((6, len(times_ns)))
         for channel, row in zip(self._noise, normals, strict=True):
             channel.standard_normal(out=row)
-        rows = self._motion.rows(times_ns)
         for chunk, part in split_by_chunk(times_ns):
             sense(
                 rows[part],

@@ -1,0 +1,168 @@
+"""What `navtwin simulate` does: understand, generate, write, tell."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from boards.hints import did_you_mean
+from boards.places import board_folder, board_names
+from host.cli.campaign_run import check_files
+from host.cli.exit_codes import EXIT_MET
+from host.cli.terminal import progress_bar, standard_error, standard_output
+from host.record.atomic import write_whole
+from host.record.errors import UserError
+from host.report.numbers import number
+from host.sim.scenario.load import load_scenario
+from host.sim.seeding import LARGEST_SEED
+from host.simulate.formats.known import Format, chosen
+from host.simulate.job import Simulated, simulate
+from host.simulate.stream import Convention, Drive, Request, warm_up
+
+RESULT_FORMAT = "navtwin-simulation-1"
+LARGEST_RATE_HZ = 100_000
+SLOWEST_HZ = Fraction(1, 3600)
+LONGEST_LEVER_M = 100.0
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """The words of the command line."""
+
+    scenario: str
+    output: Path | None
+    form: str | None
+    rate: str
+    gnss_rate: str
+    samples: str | None
+    antenna: str
+    seed: int
+    changes: tuple[str, ...]
+
+
+def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
+    """Returns the exit code. Raises UserError, ScenarioError."""
+    if asked.output is None and asked.form is not None:
+        raise UserError(f"--format {asked.form}: needs a file to write; for example -o drive.csv")
+    form = None if asked.output is None else chosen(asked.form, asked.output)
+    check_files(("-o", asked.output), ("--json", json_file))
+    request = _request(asked, form)
+    drive = Drive(request)
+    about = _about(asked, request, drive)
+    warm_up(request)
+    with progress_bar(f"simulate {request.scenario.name}", quiet) as progress:
+        done = simulate(drive, asked.output, form, about, progress)
+    _tell(about, done, json_file)
+    return EXIT_MET
+
+
+def scenario_file(name: str) -> Path:
+    """A file by its path, or a scenario of any board by its name. Raises UserError."""
+    path = Path(name)
+    if path.suffix == ".toml" or path.parent != Path():
+        if not path.is_file():
+            raise UserError(f"{name}: no such scenario file; for example navtwin simulate ./drive.toml")
+        return path
+    known: dict[str, Path] = {}
+    for board in reversed(board_names()):
+        known |= {file.stem: file for file in sorted((board_folder(board) / "scenarios").glob("*.toml"))}
+    if name not in known:
+        raise UserError(
+            f"{name}: no board has such a scenario; {did_you_mean(name, known)} (a file of your own is given"
+            " by its path, e.g. ./drive.toml)"
+        )
+    return known[name]
+
+
+def _request(asked: Asked, form: Format | None) -> Request:
+    scenario = load_scenario(scenario_file(asked.scenario), asked.changes)
+    if scenario.kind != "simulated":
+        raise UserError(
+            f"{asked.scenario}: is a recording, whose sensors are measured, not simulated; name a scenario"
+            " with motion, e.g. town-open"
+        )
+    if not 0 <= asked.seed <= LARGEST_SEED:
+        raise UserError(f"--seed {asked.seed}: must lie in 0 … {LARGEST_SEED}; for example --seed 1")
+    return Request(
+        scenario=scenario,
+        seed=asked.seed,
+        rate_hz=_rate("--rate", asked.rate, least=SLOWEST_HZ),
+        gnss_rate_hz=_rate("--gnss-rate", asked.gnss_rate, least=Fraction(0)),
+        convention=_convention(asked.samples, form),
+        antenna_m=_lever(asked.antenna),
+    )
+
+
+def _rate(option: str, text: str, least: Fraction) -> Fraction:
+    try:
+        rate = Fraction(text)
+    except (ValueError, ZeroDivisionError):
+        raise UserError(f"{option} {text}: is not a number of Hz; for example {option} 819.2") from None
+    small = rate != 0 and rate < SLOWEST_HZ
+    if rate < least or small or rate > LARGEST_RATE_HZ or rate.denominator > 10**6:
+        raise UserError(
+            f"{option} {text}: must lie in {float(least):g} … {LARGEST_RATE_HZ} Hz; for example {option} 100"
+        )
+    return rate
+
+
+def _convention(text: str | None, form: Format | None) -> Convention:
+    if text is None:
+        return Convention.INSTANT if form is None else form.usual
+    if text not in list(Convention):
+        raise UserError(f"--samples {text}: no such kind; {did_you_mean(text, [kind.value for kind in Convention])}")
+    wanted = Convention(text)
+    if form is not None and form.only not in (None, wanted):
+        raise UserError(f"--samples {text}: this format holds {form.only}s only; leave --samples out")
+    return wanted
+
+
+def _lever(text: str) -> tuple[float, float, float]:
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise UserError(
+            f"--antenna {text}: must be three lengths in m; e.g. --antenna 0.5,0,-1.2"
+        ) from None
+    if not all(math.isfinite(value) and abs(value) <= LONGEST_LEVER_M for value in (x, y, z)):
+        raise UserError(f"--antenna {text}: each must lie within ±{LONGEST_LEVER_M:g} m; e.g. 0.5,0,-1.2")
+    return x, y, z
+
+
+def _about(asked: Asked, request: Request, drive: Drive) -> dict[str, Any]:
+    """What made the files; it repeats with them."""
+    return {
+        "format": RESULT_FORMAT,
+        "scenario": request.scenario.name,
+        "seed": request.seed,
+        "overrides": list(asked.changes),
+        "samples_are": str(request.convention),
+        "rate_hz": float(request.rate_hz),
+        "gnss_rate_hz": float(request.gnss_rate_hz),
+        "antenna_m": list(request.antenna_m),
+        "start_utc": request.scenario.start.utc,
+        "samples": drive.samples,
+        "gnss_epochs": drive.epochs,
+        "duration_s": drive.duration_ns / 1e9,
+    }
+
+
+def _tell(about: dict[str, Any], done: Simulated, json_file: str | None) -> None:
+    files = [str(path) for path in done.files]
+    console = standard_error() if json_file == "-" else standard_output()
+    rate = number(done.samples_per_s)
+    console.print(f"{done.samples:,} samples in {number(done.wall_s)} s: {rate} a second", soft_wrap=True)
+    if files:
+        console.print(f"written: {'  '.join(files)}", soft_wrap=True)
+    if json_file is None:
+        return
+    figures = {"wall_s": done.wall_s, "samples_per_s": done.samples_per_s, "files": files}
+    text = json.dumps(about | figures, indent=1) + "\n"
+    if json_file == "-":
+        print(text, end="")
+    else:
+        write_whole(Path(json_file), text, "--json")

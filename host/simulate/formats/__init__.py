@@ -1,0 +1,1 @@
+"""One writer a file format. Each takes blocks and epochs as they come and keeps nothing that grows."""

@@ -1,0 +1,33 @@
+"""What every format does."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from host.simulate.part_files import PartFiles
+from host.simulate.stream import Block, Drive
+
+
+class Writer(Protocol):
+    """Begun with the drive; blocks and rows of `host.simulate.rows.GNSS` come in the order of time."""
+
+    def __init__(self, drive: Drive, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
+        """`about`: what made this, as JSON holds it."""
+        ...
+
+    def add_block(self, block: Block) -> None:
+        """Inertial samples with their truth."""
+        ...
+
+    def add_gnss(self, rows: NDArray[np.float64]) -> None:
+        """Receiver epochs."""
+        ...
+
+    def finish(self) -> None:
+        """All has come."""
+        ...

@@ -1,0 +1,76 @@
+"""A drive from its scenario to its files, streamed: memory does not grow with its length."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from boards.chips.world import GnssEpoch
+from host.simulate.formats.known import Format
+from host.simulate.part_files import PartFiles
+from host.simulate.rows import gnss_rows
+from host.simulate.stream import NS, Drive
+
+Progress = Callable[[float, float], None]
+
+
+@dataclass(frozen=True, slots=True)
+class Simulated:
+    """What came of it."""
+
+    samples: int
+    epochs: int
+    duration_s: float
+    wall_s: float
+    """Generation and writing, without start-up."""
+    files: tuple[Path, ...]
+
+    @property
+    def samples_per_s(self) -> float:
+        """Inertial samples, each with its truth, in a second of wall-clock time."""
+        return self.samples / self.wall_s if self.wall_s > 0.0 else 0.0
+
+
+def simulate(
+    drive: Drive, path: Path | None, form: Format | None, about: dict[str, Any], progress: Progress | None
+) -> Simulated:
+    """Generate the drive, and write it when there is a path. Raises UserError."""
+    begin = time.perf_counter()
+    with PartFiles() as files:
+        writer = None
+        if path is not None and form is not None:
+            writer = form.writer(drive, path, files, about)
+        epochs = drive.receiver_epochs()
+        waiting = next(epochs, None)
+        samples = 0
+        for block in drive.blocks():
+            samples += len(block.times_ns)
+            end_ns = int(block.times_ns[-1])
+            due, waiting = _until(end_ns, waiting, epochs)
+            if writer is not None:
+                writer.add_block(block)
+                if due:
+                    writer.add_gnss(gnss_rows(due))
+            if progress is not None:
+                progress(end_ns / NS, drive.duration_ns / NS)
+        rest, _ = _until(drive.duration_ns, waiting, epochs)
+        if writer is not None:
+            if rest:
+                writer.add_gnss(gnss_rows(rest))
+            writer.finish()
+    wall_s = time.perf_counter() - begin
+    return Simulated(samples, drive.epochs, drive.duration_ns / NS, wall_s, tuple(files.paths))
+
+
+def _until(
+    end_ns: int, waiting: tuple[int, GnssEpoch] | None, epochs: Iterator[tuple[int, GnssEpoch]]
+) -> tuple[list[tuple[int, GnssEpoch]], tuple[int, GnssEpoch] | None]:
+    """The epochs up to an instant, and the first one after it."""
+    due = []
+    while waiting is not None and waiting[0] <= end_ns:
+        due.append(waiting)
+        waiting = next(epochs, None)
+    return due, waiting
