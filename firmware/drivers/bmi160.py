@@ -103,6 +103,9 @@ INT1_PUSH_PULL_ACTIVE_HIGH: Final = 0x0A
 DATA_READY_TO_INT1: Final = 0x80
 DATA_READY_ENABLE: Final = 0x10
 DATA_INVALID: Final = -0x8000
+NO_DATA: Final = bytes(12)
+CHECKED: Final = 4
+"""Of the registers that are written, so many from ACC_CONF on are looked at again and again."""
 
 TEST_ACC_CONF: Final = 0x2C
 TEST_ACC_RANGE: Final = 0x08
@@ -167,6 +170,7 @@ class Bmi160:
         self._burst = bytearray(BURST_LENGTH)
         self._request = bytearray([READ | FIRST_SAMPLE_REGISTER]) + bytes(BURST_LENGTH - 1)
         self._transaction = spi.transaction
+        self._held = bytes(value for _, value in config.registers()[:CHECKED])
         self.raw: NDArray[np.uint8] = np.frombuffer(self._burst, np.uint8)
 
     def identify(self) -> Outcome:
@@ -212,14 +216,13 @@ class Bmi160:
             return Outcome.ABSENT if self.detail in NOBODY else Outcome.WRONG_CHIP
         errors, power = self._read_some(Register.ERR_REG, 2)
         self.detail = power
-        dead = any(self._burst[13:]) and not any(self._burst[1:13])
+        dead = self._burst[1:13] == NO_DATA and any(self._burst[13:])
         if dead or power & PMU_MASK != BOTH_NORMAL:
             return Outcome.NOT_STARTED
-        held = self._read_some(Register.ACC_CONF, 4)
-        for byte, (_, value) in zip(held, self.config.registers()[:4], strict=True):
-            if byte != value:
-                self.detail = byte
-                return Outcome.NOT_CONFIGURED
+        held = self._read_some(Register.ACC_CONF, CHECKED)
+        if held != self._held:
+            self.detail = next(byte for byte, value in zip(held, self._held, strict=True) if byte != value)
+            return Outcome.NOT_CONFIGURED
         self.detail = errors
         return Outcome.ERROR_FLAG if errors else Outcome.OK
 

@@ -123,6 +123,11 @@ class Acquisition:
         self.measurement = measurement
         self._choose_step()
 
+    @property
+    def looks_at_samples(self) -> bool:
+        """Whether FIFO, detectors or a measurement want to see each sample, in its order."""
+        return self._step > 0
+
     # -- samples -----------------------------------------------------------------------------------
 
     def observe(self, time_ns: int) -> None:

@@ -124,16 +124,22 @@ class Core:
         return bytes(data)
 
     def holds_still(self, first: int, count: int, time_ns: int) -> bool:
-        """Whether a read touches only identity, errors, power and set-up, and no command is under way: then
-        neither samples nor interrupts need to be worked off for it (a health check reads just these)."""
+        """Whether a read touches only identity, errors, power and set-up, or only the temperature while
+        nobody looks at every sample, and no command is under way: then neither samples nor interrupts need to
+        be worked off for it (a health check reads just these)."""
         if self.commands.next_due is not None:
             return False
-        return first + count <= GYR_DATA or (first >= ACC_CONF and first + count <= 0x80)
+        end = first + count
+        if first == TEMPERATURE and end <= TEMPERATURE + 2:
+            return not self.data.looks_at_samples
+        return end <= GYR_DATA or (first >= ACC_CONF and end <= 0x80)
 
     def read_still(self, first: int, count: int, time_ns: int) -> bytes:
         """A burst that `holds_still`."""
         if first < GYR_DATA:
             self._refresh_identity()
+        elif first == TEMPERATURE:
+            self._refresh_temperature(time_ns)
         registers = self.registers
         if registers.plain(first, first + count):
             return bytes(registers.values[first : first + count])
@@ -146,6 +152,10 @@ class Core:
         values = self.registers.values
         values[ERR_REG] = self._error_code << 1 | (DROPPED_COMMAND if self.commands.dropped else 0)
         values[PMU_STATUS] = self.data.power.status()
+
+    def _refresh_temperature(self, time_ns: int) -> None:
+        celsius = self.data.temperature(time_ns).to_bytes(2, "little")
+        self.registers.values[TEMPERATURE : TEMPERATURE + 2] = celsius
 
     def _read_fifo(self, count: int, time_ns: int) -> bytes:
         counter = (self.data.clock.tick(time_ns) & COUNTER_MASK).to_bytes(3, "little")
@@ -193,7 +203,7 @@ class Core:
         if first < TEMPERATURE and end > INT_STATUS_0:
             values[INT_STATUS_0 : INT_STATUS_0 + 4] = bytes(data.interrupts.status(time_ns))
         if first < FIFO_LENGTH and end > TEMPERATURE:
-            values[TEMPERATURE : TEMPERATURE + 2] = data.temperature(time_ns).to_bytes(2, "little")
+            self._refresh_temperature(time_ns)
         if end > FIFO_LENGTH:
             values[FIFO_LENGTH : FIFO_LENGTH + 2] = len(data.fifo).to_bytes(2, "little")
 
