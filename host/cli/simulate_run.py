@@ -114,7 +114,9 @@ def _convention(text: str | None, form: Format | None) -> Convention:
     if text is None:
         return Convention.INSTANT if form is None else form.usual
     if text not in list(Convention):
-        raise UserError(f"--samples {text}: no such kind; {did_you_mean(text, [kind.value for kind in Convention])}")
+        raise UserError(
+            f"--samples {text}: no such kind; {did_you_mean(text, [kind.value for kind in Convention])}"
+        )
     wanted = Convention(text)
     if form is not None and form.only not in (None, wanted):
         raise UserError(f"--samples {text}: this format holds {form.only}s only; leave --samples out")
@@ -125,9 +127,7 @@ def _lever(text: str) -> tuple[float, float, float]:
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:
-        raise UserError(
-            f"--antenna {text}: must be three lengths in m; e.g. --antenna 0.5,0,-1.2"
-        ) from None
+        raise UserError(f"--antenna {text}: must be three lengths in m; e.g. --antenna 0.5,0,-1.2") from None
     if not all(math.isfinite(value) and abs(value) <= LONGEST_LEVER_M for value in (x, y, z)):
         raise UserError(f"--antenna {text}: each must lie within ±{LONGEST_LEVER_M:g} m; e.g. 0.5,0,-1.2")
     return x, y, z
