@@ -39,6 +39,54 @@ def _group() -> None:
     """Real hardware: a board that is shadowed, a receiver in the emulated one's place."""
 
 
+@app.command("chip")
+def chip_command(
+    chip: Annotated[str, typer.Argument(metavar="CHIP", help="bmi160 or adxl345.")],
+    port: Annotated[str, typer.Option("--port", metavar="URL", help="Of the bridge: /dev/ttyUSB0 …")],
+    bus: Annotated[str, typer.Option("--bus", metavar="spi|i2c", help="How the chip is wired.")] = "spi",
+    address: Annotated[
+        str | None, typer.Option("--address", metavar="HEX", help="On I²C. Default: the chip's usual one.")
+    ] = None,
+    rate: Annotated[float, typer.Option("--rate", metavar="HZ", help="Samples a second.")] = 100.0,
+    speed: Annotated[
+        int | None,
+        typer.Option("--speed", metavar="HZ", help="Of the bus. Default: 1000000 (SPI), 400000 (I²C)."),
+    ] = None,
+    no_power: Annotated[
+        bool, typer.Option("--no-power", help="The chip has its own supply; the bridge must not feed it.")
+    ] = False,
+    seconds: Seconds = None,
+    record: Annotated[
+        Path | None,
+        typer.Option("--record", metavar="FILE", help="All transactions, as tests of drivers replay them."),
+    ] = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Show a sensor on the desk, behind a Bus Pirate, under the driver that is flashed.
+
+    Ends with 0: the chip is there and set up, 1: it is not (what was read is told), 2: bad input or port.
+    """
+
+    def command() -> int:
+        from host.attach.chip_bench import ChipRequest
+        from host.cli.attach_chip_run import attach_chip, whole_address
+
+        request = ChipRequest(
+            chip=chip,
+            port=port,
+            bus=bus,
+            address=whole_address(address),
+            speed_hz=speed,
+            rate_hz=rate,
+            power=not no_power,
+            record=record,
+        )
+        return attach_chip(request, seconds, json, quiet)
+
+    guarded(command)
+
+
 @app.command("board")
 def board_command(
     port: Annotated[

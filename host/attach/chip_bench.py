@@ -1,0 +1,152 @@
+"""From what was asked for to a chip with its driver on a bridge: known chips, buses, addresses, records."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TextIO
+
+from firmware.drivers.adxl345 import Adxl345Config
+from firmware.drivers.adxl345_ports import I2cPort, SpiPort
+from firmware.drivers.bmi160 import Bmi160Config
+from hal.live.bus_pirate import BusPirateError
+from hal.live.bus_pirate_buses import I2C_SPEEDS, SPI_SPEEDS, BusPirateI2c, BusPirateSpi
+from hal.live.cpu import LiveCpu
+from hal.live.port import PortError
+from hal.scripted.recording import Recording
+from host.attach.chip_adxl345 import Adxl345OnDesk
+from host.attach.chip_bmi160 import Bmi160OnDesk, RegistersOverI2c
+from host.attach.chip_on_desk import ChipOnDesk
+from host.attach.chip_session import ChipSession
+from host.record.errors import UserError
+
+ADDRESSES = {"bmi160": (0x68, 0x69), "adxl345": (0x53, 0x1D)}
+"""The chip's I²C addresses, the usual one first."""
+SPI_MODE = {"bmi160": 0, "adxl345": 3}
+BUSES = ("spi", "i2c")
+DEFAULT_SPEED_HZ = {"spi": 1_000_000, "i2c": 400_000}
+SPEEDS = {"spi": SPI_SPEEDS, "i2c": I2C_SPEEDS}
+FASTEST_SPI_HZ = {"bmi160": 10_000_000, "adxl345": 5_000_000}
+RECORD_NAME = "imu"
+
+
+@dataclass(frozen=True, slots=True)
+class ChipRequest:
+    """What was asked for. Raises UserError for what cannot be."""
+
+    chip: str
+    port: str
+    bus: str = "spi"
+    address: int | None = None
+    speed_hz: int | None = None
+    rate_hz: float = 100.0
+    power: bool = True
+    record: Path | None = None
+
+    def __post_init__(self) -> None:
+        if self.chip not in ADDRESSES:
+            raise UserError(f"there is no driver for a chip {self.chip!r}; there are: {', '.join(ADDRESSES)}")
+        if self.bus not in BUSES:
+            raise UserError(f"--bus {self.bus}: possible are {' and '.join(BUSES)}")
+        if self.address is not None and self.bus == "spi":
+            raise UserError("--address is for --bus i2c; on SPI the chip select tells which chip is meant")
+        allowed = ADDRESSES[self.chip]
+        if self.address is not None and self.address not in allowed:
+            names = ", ".join(f"0x{one:02x}" for one in allowed)
+            raise UserError(f"--address 0x{self.address:02x}: a {self.chip} has one of {names}")
+        _check_rate(self.chip, self.rate_hz)
+        fastest = FASTEST_SPI_HZ[self.chip]
+        speeds = [speed for speed in SPEEDS[self.bus] if speed <= fastest]
+        if self.speed_hz is not None and self.speed_hz not in speeds:
+            names = ", ".join(map(str, speeds))
+            raise UserError(
+                f"--speed {self.speed_hz}: for a {self.chip} the bridge's {self.bus} has {names} Hz"
+            )
+
+    @property
+    def bus_text(self) -> str:
+        """Bus, speed and address for people."""
+        speed = (self.speed_hz or DEFAULT_SPEED_HZ[self.bus]) / 1000
+        where = f"I²C at 0x{self.i2c_address:02x}" if self.bus == "i2c" else "SPI"
+        return f"{where}, {speed:,.0f} kHz"
+
+    @property
+    def i2c_address(self) -> int:
+        """7 bits."""
+        return self.address or ADDRESSES[self.chip][0]
+
+
+@contextmanager
+def chip_session(request: ChipRequest) -> Iterator[ChipSession]:
+    """The bridge open and set up, the chip not yet started. Raises UserError.
+
+    A record is renamed into place when this ends without an exception.
+    """
+    cpu = LiveCpu()
+    with _record(request) as recording:
+        bus = _open_bus(request, cpu)
+        try:
+            chip = _chip(request, bus, cpu, recording)
+            yield ChipSession(chip, cpu, bus.session)
+        finally:
+            bus.close()
+
+
+def _open_bus(request: ChipRequest, cpu: LiveCpu) -> BusPirateSpi | BusPirateI2c:
+    speed = request.speed_hz or DEFAULT_SPEED_HZ[request.bus]
+    try:
+        if request.bus == "i2c":
+            return BusPirateI2c(cpu, request.port, speed, request.power)
+        return BusPirateSpi(cpu, request.port, speed, SPI_MODE[request.chip], request.power)
+    except (PortError, BusPirateError) as error:
+        raise UserError(f"--port {error}") from None
+
+
+def _chip(
+    request: ChipRequest, bus: BusPirateSpi | BusPirateI2c, cpu: LiveCpu, recording: Recording | None
+) -> ChipOnDesk:
+    clock = recording.cpu(cpu) if recording else cpu
+    if isinstance(bus, BusPirateSpi):
+        device = recording.spi(RECORD_NAME, bus) if recording else bus
+        if request.chip == "adxl345":
+            return Adxl345OnDesk(SpiPort(device), clock, request.rate_hz)
+        return Bmi160OnDesk(device, clock, int(request.rate_hz))
+    wires = recording.i2c(RECORD_NAME, bus) if recording else bus
+    if request.chip == "adxl345":
+        return Adxl345OnDesk(I2cPort(wires, request.i2c_address), clock, request.rate_hz)
+    return Bmi160OnDesk(RegistersOverI2c(wires, request.i2c_address), clock, int(request.rate_hz))
+
+
+def _check_rate(chip: str, rate_hz: float) -> None:
+    """Before any hardware is touched."""
+    try:
+        if chip == "adxl345":
+            Adxl345Config(rate_hz=rate_hz)
+        else:
+            Bmi160Config(rate_hz=int(rate_hz) if rate_hz.is_integer() else -1)
+    except ValueError as error:
+        reason = str(error).partition("possible: ")[2]
+        raise UserError(f"--rate {rate_hz:g}: a {chip} has {reason} Hz") from None
+
+
+@contextmanager
+def _record(request: ChipRequest) -> Iterator[Recording | None]:
+    path = request.record
+    if path is None:
+        yield None
+        return
+    part = path.with_name(path.name + ".part")
+    try:
+        file: TextIO = part.open("w")
+    except OSError as error:
+        raise UserError(f"--record {path}: cannot be written: {error.strerror}") from None
+    try:
+        with file:
+            recording = Recording(file)
+            recording.comment(f"{request.chip} over {request.bus_text}, {request.rate_hz:g} samples/s")
+            yield recording
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
