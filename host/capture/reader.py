@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -19,6 +19,7 @@ from mcap.records import Attachment, Channel, McapRecord, Message, Metadata, Sch
 from mcap.stream_reader import StreamReader
 
 from host.capture.blocks import MARK, MARK_TOPIC, SCHEMAS, Traffic, unpack
+from host.capture.topics import CONTROL
 from host.record.errors import UserError
 
 LONGEST_RECORD = 1 << 30
@@ -58,6 +59,8 @@ class Window:
     end_ns: int
     raw: dict[str, bytes]
     """Records of each topic, as in its blocks."""
+    control: list[dict[str, Any]] = field(default_factory=list)
+    """What was done to the board from outside (messages of /control)."""
 
 
 class CaptureReader:
@@ -103,6 +106,7 @@ class CaptureReader:
         its end goes up to that end. What lies behind the last mark of any other is left out."""
         with self._opened() as file:
             raw: dict[str, list[bytes]] = {}
+            control: list[dict[str, Any]] = []
             end_ns = 0
             for record in self._records(file):
                 if not isinstance(record, Message):
@@ -111,12 +115,14 @@ class CaptureReader:
                 channel = self._channels[record.channel_id]
                 if channel.topic == MARK_TOPIC:
                     (end_ns,) = MARK.unpack(record.data)
-                    yield Window(end_ns, {topic: b"".join(blocks) for topic, blocks in raw.items()})
-                    raw = {}
+                    yield Window(end_ns, _joined(raw), control)
+                    raw, control = {}, []
+                elif channel.topic == CONTROL[0]:
+                    control.append(self._parsed(record.data, "a message of /control"))
                 elif self.raw_schema(channel.topic) is not None:
                     raw.setdefault(channel.topic, []).append(record.data)
             if self.summary is not None and (last_ns := self.end_ns) is not None and last_ns >= end_ns:
-                yield Window(last_ns, {topic: b"".join(blocks) for topic, blocks in raw.items()})
+                yield Window(last_ns, _joined(raw), control)
 
     def recorded_s(self) -> float | None:
         """Up to when the file goes, by its index; None: it has none, because its run was cut off."""
@@ -191,20 +197,20 @@ class CaptureReader:
         elif isinstance(record, Channel):
             self._channels[record.id] = record
         elif isinstance(record, Attachment) and record.name == "manifest.json":
-            self.manifest = self._parsed(record.data)
+            self.manifest = self._parsed(record.data, "its manifest")
         elif isinstance(record, Metadata) and record.name == "end":
             self.summary = dict(record.metadata)
         elif isinstance(record, Metadata) and record.name == "capture":
             self.format = record.metadata["format"]
 
-    def _parsed(self, text: bytes) -> dict[str, Any]:
+    def _parsed(self, text: bytes, what: str) -> dict[str, Any]:
         try:
-            manifest = json.loads(text)
+            found = json.loads(text)
         except ValueError as error:
-            raise UserError(f"capture {self.path}: its manifest is damaged: {error}") from None
-        if not isinstance(manifest, dict):
-            raise self._foreign("its manifest is no table")
-        return manifest
+            raise UserError(f"capture {self.path}: {what} is damaged: {error}") from None
+        if not isinstance(found, dict):
+            raise self._foreign(f"{what} is no table")
+        return found
 
     def _message(self, message: Message) -> Iterator[Traffic | Decoded]:
         channel = self._channels[message.channel_id]
@@ -213,3 +219,7 @@ class CaptureReader:
             yield from unpack(schema, channel.topic, message.data)
         else:
             yield Decoded(channel.topic, message.log_time, json.loads(message.data))
+
+
+def _joined(raw: dict[str, list[bytes]]) -> dict[str, bytes]:
+    return {topic: b"".join(blocks) for topic, blocks in raw.items()}

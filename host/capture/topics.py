@@ -15,6 +15,8 @@ TABLES: dict[str, tuple[str, Table]] = {
 }
 IMU_SCHEMA = "navtwin.Imu"
 EVENTS = ("/event", "navtwin.Event")
+CONTROL = ("/control", "navtwin.Control")
+"""What was done to the board from outside while it was served, with what belongs to each command."""
 
 NUMBER = {"type": ["number", "null"]}
 
@@ -28,6 +30,12 @@ def event_schema() -> bytes:
     """JSON schema of an event."""
     fields = {"t_s": {"type": "number"}, "source": {"type": "string"}, "text": {"type": "string"}}
     return _schema(EVENTS[1], fields)
+
+
+def control_schema() -> bytes:
+    """JSON schema of a command; each has further keys of its own."""
+    fields = {"t_s": {"type": "number"}, "time_ns": {"type": "integer"}, "command": {"type": "string"}}
+    return _schema(CONTROL[1], fields)
 
 
 def _schema(name: str, properties: Mapping[str, object]) -> bytes:

@@ -45,7 +45,15 @@ from host.capture.can_senders import with_senders
 from host.capture.inertial_samples import DECODERS, IMU, Bmi160Traffic
 from host.capture.location_fix import LOCATION_FIX, TOPICS, Fixes
 from host.capture.location_fix import schema as location_fix_schema
-from host.capture.topics import EVENTS, IMU_SCHEMA, TABLES, event_schema, table_schema
+from host.capture.topics import (
+    CONTROL,
+    EVENTS,
+    IMU_SCHEMA,
+    TABLES,
+    control_schema,
+    event_schema,
+    table_schema,
+)
 from host.record.row_text import RowText
 from host.record.tables import Table
 
@@ -88,6 +96,8 @@ class CaptureWriter:
         self._marks = self._raw_channel(MARK_TOPIC, "navtwin.Mark")
         self._tables = {topic: self._table_channel(topic, *table) for topic, table in TABLES.items()}
         self._fixes = {topic: (self._fix_channel(place), Fixes(topic)) for topic, place in TOPICS.items()}
+        self._control: int | None = None
+        """Only of a run that is served."""
         self._events = self._channel(EVENTS[0], "json", EVENTS[1], "jsonschema", event_schema())
 
     # -- raw traffic -------------------------------------------------------------------------------
@@ -189,6 +199,13 @@ class CaptureWriter:
         """Something worth telling."""
         message = json.dumps({"t_s": t_ns / 1e9, "source": source, "text": text}, separators=(",", ":"))
         self._writer.add_message(self._events, t_ns, message.encode(), t_ns)
+
+    def control(self, t_ns: int, command: str, details: Mapping[str, Any]) -> None:
+        """Something was done to the board from outside."""
+        if self._control is None:
+            self._control = self._channel(CONTROL[0], "json", CONTROL[1], "jsonschema", control_schema())
+        entry = {"t_s": t_ns / 1e9, "time_ns": t_ns, "command": command, **details}
+        self._writer.add_message(self._control, t_ns, json.dumps(entry, separators=(",", ":")).encode(), t_ns)
 
     # -- the file ----------------------------------------------------------------------------------
 

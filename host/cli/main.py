@@ -20,6 +20,8 @@ from host.cli.monitor_command import monitor_command
 from host.cli.new_command import app as new_app
 from host.cli.plain_text import PLAINLY
 from host.cli.replay_command import replay_command
+from host.cli.serve_command import EPILOG as SERVE_EPILOG
+from host.cli.serve_command import serve_command
 from host.cli.simulate_command import simulate_command
 from host.cli.sweep_command import sweep_command
 
@@ -167,6 +169,7 @@ app.add_typer(capture_app, name="capture")
 app.add_typer(attach_app, name="attach")
 app.command("replay")(replay_command)
 app.command("diff")(diff_command)
+app.command("serve", epilog=SERVE_EPILOG)(serve_command)
 app.command("monitor")(monitor_command)
 app.command("simulate")(simulate_command)
 

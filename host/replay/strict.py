@@ -24,6 +24,7 @@ from host.capture.reader import CaptureReader, Window
 from host.capture.writer import CAPTURE_FORMAT, FORMAT_2
 from host.record.errors import UserError
 from host.replay.comparison import Comparison, Difference, shown_bytes, shown_transfer
+from host.replay.control_tape import OWN_FAULTS, ControlTape
 from host.replay.request import REPLAY_FORMAT, ReplayRequest
 from host.replay.setting import board_text_differs, recorded_setup
 from host.replay.stand_ins import (
@@ -42,8 +43,6 @@ from host.run.listening import Ears
 from host.run.setup import Setup
 from host.run.warm_up import BOOT_NS, compile_missing
 
-OWN_FAULTS = ("can-disturbance", "log-removed", "nav-nan", "cpu-reset")
-"""Kinds of faults that strike neither a chip nor a wire into the board."""
 WARM_UP_WINDOWS = 2
 CLEAN_UP_EVERY = 50
 """Windows between two looks of the collector of cycles."""
@@ -140,7 +139,7 @@ class Player:
         self.surroundings = Recorded(description)
         self.board = board = assemble(description, setup.profile, self.surroundings)
         own = [fault for fault in setup.scenario.fault if fault.kind in OWN_FAULTS]
-        place_faults(own, board, {}, seed, FAR)
+        self._control = ControlTape(board, seed, place_faults(own, board, {}, seed, FAR))
         outputs = _output_nets(setup.board)
         can_schema = OLD_CAN_SCHEMA if reader.format == FORMAT_2 else CAN_SCHEMA
         self.comparison = Comparison(outputs, can_schema)
@@ -183,6 +182,7 @@ class Player:
 
     def load(self, window: Window) -> None:
         """Put recorded traffic where it will be asked for."""
+        self._control.load(window.control)
         starts: dict[int, str] = {}
         for topic, tape in self._spi.items():
             if topic in window.raw:

@@ -73,11 +73,13 @@ class PacedRun:
         self.lateness = Lateness()
         self.slips = 0
         self.slipped_s = 0.0
-        self.running_s = 0.0
-        """Wall-clock time in which virtual time was to pass."""
+        self._ran_s = 0.0
         self._outside = outside
         self._clock_ns = clock_ns
         self._stopped = False
+        self._runs = False
+        self._since_ns = 0
+        """Wall-clock time of the last beginning or resuming."""
         self._from_wall_ns = clock_ns()
         self._from_virtual_ns = session.now_ns
         self._slices = 0
@@ -87,23 +89,30 @@ class PacedRun:
 
     def pause(self) -> None:
         """Let no time pass until `resume`."""
-        self._account()
+        self._ran_s = self.running_s
         self.paused = True
 
     def resume(self) -> None:
         """Go on from here."""
-        self.paused = False
-        self._anew()
+        if self.paused:
+            self.paused = False
+            self._since_ns = self._clock_ns()
+            self._anew()
 
     def set_pace(self, pace: float) -> None:
         """Another pace from here on."""
-        self._account()
         self.pace = pace
         self._anew()
 
     def stop(self) -> None:
         """Let no more time pass; `run` returns."""
         self._stopped = True
+
+    @property
+    def running_s(self) -> float:
+        """Wall-clock time in which virtual time was to pass: all but the pauses."""
+        under_way = 0.0 if self.paused or not self._runs else (self._clock_ns() - self._since_ns) / SECOND
+        return self._ran_s + under_way
 
     @property
     def stopped(self) -> bool:
@@ -121,6 +130,8 @@ class PacedRun:
 
     def run(self, end_ns: int) -> None:
         """Let virtual time pass to `end_ns`, or until `stop`."""
+        self._runs = True
+        self._since_ns = self._clock_ns()
         self._anew()
         while self.session.now_ns < end_ns and not self._stopped:
             if self.paused:
@@ -130,7 +141,8 @@ class PacedRun:
                 self._paced_slice(end_ns)
             else:
                 self._free_slice(end_ns)
-        self._account()
+        self._ran_s = self.running_s
+        self._runs = False
 
     def _free_slice(self, end_ns: int) -> None:
         if self._outside.holds_up():
@@ -158,7 +170,6 @@ class PacedRun:
         if late_ns > SLIP_S * SECOND:
             self.slips += 1
             self.slipped_s += late_ns / SECOND
-            self._account()
             self._anew()
 
     def _work_off(self, end_ns: int) -> None:
@@ -188,9 +199,3 @@ class PacedRun:
         self._from_virtual_ns = self.session.now_ns
         self._slices = 0
         self.lateness.break_off()
-
-    def _account(self) -> None:
-        """Add the time since the last start, which ends here."""
-        if not self.paused:
-            self.running_s += (self._clock_ns() - self._from_wall_ns) / SECOND
-            self._from_wall_ns = self._clock_ns()

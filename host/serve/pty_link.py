@@ -46,7 +46,7 @@ class MasterCarrier:
 
 
 class PtyEndpoint:
-    """Implements `host.serve.endpoint.Endpoint`. `link`: a name that leads to the terminal while it exists."""
+    """Implements `host.serve.endpoint.Endpoint`. `link`: a name that leads to the terminal meanwhile."""
 
     def __init__(self, line: str, link: Path | None, option: str) -> None:
         self.line = line

@@ -16,6 +16,8 @@ from host.serve.stream import Carrier, Stream
 
 IAC = b"\xff"
 LONGEST_OPTION = 4096
+PORT_MANAGER: Any = serial.rfc2217.PortManager
+"""It asks for a serial port and a connection, and takes whatever has their attributes."""
 
 
 def escaped(data: bytes) -> bytes:
@@ -67,7 +69,7 @@ class Telnet:
 
     def reply_by(self, stream: Stream) -> None:
         """Begin to negotiate; answers go through `stream`."""
-        self._manager = serial.rfc2217.PortManager(self._port, _Replies(stream))
+        self._manager = PORT_MANAGER(self._port, _Replies(stream))
 
     def read(self) -> bytes:
         """What the client sent on the line. Raises BlockingIOError when that is nothing."""

@@ -41,6 +41,11 @@ class UartLine:
         self._ear = self._heard.connect_late()
 
     @property
+    def leads_to(self) -> str:
+        """What is at its other end."""
+        return "to the board" if self.chip is None else f"with the chip {self.chip}"
+
+    @property
     def baud(self) -> int:
         """The line's rate now: that of what clients hear, and of what they write."""
         return self._heard.baud

@@ -1,0 +1,113 @@
+"""The control channel: JSON lines on TCP, each answered by one JSON line (`host.serve.commands`).
+
+A connection whose first line is no JSON is ended after the answer: a web page that has a browser send its
+request here must not get any further.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from host.serve.address import Address, listen
+from host.serve.commands import Reply, example_of
+from host.serve.endpoint import Terms, Traffic
+from host.serve.hub import Hub
+from host.serve.sockets import SocketCarrier
+from host.serve.stream import Stream
+
+LONGEST_LINE = 1 << 16
+MOST_CLIENTS = 16
+
+
+class ControlChannel:
+    """Listens for commands and has them done by `do`, when `attend` is called."""
+
+    def __init__(self, address: Address, hub: Hub, terms: Terms, do: Callable[[Any], Reply]) -> None:
+        """Raises UserError."""
+        self._hub, self._terms, self._do = hub, terms, do
+        self._listener = listen(address, "--control")
+        host, port = self._listener.getsockname()[:2]
+        self.where = str(Address(host, port))
+        self._sessions: list[_Caller] = []
+        hub.watch(self._listener, self._accept)
+
+    def attend(self) -> None:
+        """Do what has been asked by now."""
+        for caller in self._sessions:
+            caller.attend(self._do)
+        self._sessions = [caller for caller in self._sessions if not caller.over]
+
+    def close(self) -> None:
+        """End all connections."""
+        for caller in self._sessions:
+            caller.stream.close()
+        self._hub.watch(self._listener, None)
+        self._listener.close()
+
+    def _accept(self) -> None:
+        try:
+            connection, peer = self._listener.accept()
+        except OSError:
+            return
+        if len(self._sessions) >= MOST_CLIENTS:
+            connection.close()
+            return
+        name = f"control {Address(*peer[:2])}"
+        stream = Stream(self._hub, SocketCarrier(connection), name, Terms(_quiet), Traffic())
+        self._sessions.append(_Caller(stream))
+
+
+class _Caller:
+    """One connection."""
+
+    def __init__(self, stream: Stream) -> None:
+        self.stream = stream
+        self._line = bytearray()
+        self._proven = False
+        """It has spoken JSON."""
+
+    @property
+    def over(self) -> bool:
+        """Whether it has gone and left nothing."""
+        return self.stream.gone and not self.stream.waiting
+
+    def attend(self, do: Callable[[Any], Reply]) -> None:
+        """Answer every whole line."""
+        while data := self.stream.take(LONGEST_LINE):
+            self._line += data
+            while (end := self._line.find(b"\n")) >= 0:
+                line = bytes(self._line[:end])
+                del self._line[: end + 1]
+                if line.strip() and not self._answer(line, do):
+                    return
+            if len(self._line) > LONGEST_LINE:
+                self._refuse(f"a command is one line of at most {LONGEST_LINE} bytes")
+                return
+
+    def _answer(self, line: bytes, do: Callable[[Any], Reply]) -> bool:
+        try:
+            asked = json.loads(line)
+        except (ValueError, RecursionError) as error:
+            if not self._proven:
+                self._refuse(f"this is no JSON: {error}")
+                return False
+            self._say({"ok": False, "error": f"this is no JSON: {error}", "example": example_of(None)})
+            return True
+        self._proven = True
+        self._say(do(asked))
+        return True
+
+    def _refuse(self, why: str) -> None:
+        self._say({"ok": False, "error": f"{why}; the connection ends", "example": example_of(None)})
+        self._line.clear()
+        self.stream.take(1 << 30)
+        self.stream.close(gently=False)
+
+    def _say(self, reply: Reply) -> None:
+        self.stream.send_aside(json.dumps(reply, separators=(",", ":")).encode() + b"\n")
+
+
+def _quiet(_line: str) -> None:
+    pass
