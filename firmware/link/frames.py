@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from struct import Struct
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,6 +55,9 @@ _HEADED: Final = {
 }
 """The same behind type, length and sequence, and the payload's length."""
 
+TIME_HEAD: Final = Struct("<Q")
+"""What stands before the numbers of COVARIANCE and BIAS."""
+INNOVATION_HEAD: Final = Struct("<QB")
 LIST_HEAD: Final = Struct("<Q")
 TASK_ROW: Final = Struct("<12sIIIH")
 """Name (UTF-8, zeros behind), activations, time worked µs modulo 2³², worst response µs, deadlines missed."""
@@ -85,6 +88,10 @@ class FrameWriter:
         layout, length = _HEADED[kind]
         layout.pack_into(self._buffer, len(SYNC), kind, length, self._sequence, *values)
         return self._seal(length)
+
+    def numbers(self, kind: int, head: bytes, numbers: NDArray[Any]) -> bytes:
+        """A frame of fixed length that ends in float32 numbers, `head` what its layout has before them."""
+        return self._copy(kind, head + np.asarray(numbers, "<f4").tobytes())
 
     def frame(self, kind: int, payload: bytes) -> bytes:
         """A frame of any type from its payload, at most LONGEST_PAYLOAD bytes."""

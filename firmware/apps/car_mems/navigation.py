@@ -85,21 +85,21 @@ class Navigation:
         """The inertial sensor has this temperature."""
         self.kernels.temperature_step(self.f, self.i, celsius)
 
-    def covariance(self) -> list[float]:
+    def covariance(self) -> NDArray[Any]:
         """Upper triangle of the covariance of [δr, δv, φ], 45 values."""
         self.kernels.covariance(self.f, self._covariance_out)
-        return self._covariance_out.tolist()
+        return self._covariance_out
 
-    def innovation(self) -> tuple[int, int, list[float]]:
+    def innovation(self) -> tuple[int, int, NDArray[Any]]:
         """(validity on the board clock in ns, mask of used components, 6 innovations and 6 sigmas)."""
         self.kernels.innovation(self.f, self._innovation_out)
         i = self.i
-        return int(i[layout.INNOVATION_TIME]), int(i[layout.INNOVATION_MASK]), self._innovation_out.tolist()
+        return int(i[layout.INNOVATION_TIME]), int(i[layout.INNOVATION_MASK]), self._innovation_out
 
-    def biases(self) -> list[float]:
+    def biases(self) -> NDArray[Any]:
         """b_g, b_a, mounting yaw and pitch, latency, and their sigmas: 18 values."""
         self.kernels.biases(self.f, self._biases_out)
-        return self._biases_out.tolist()
+        return self._biases_out
 
     @property
     def is_navigating(self) -> bool:

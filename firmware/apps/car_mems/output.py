@@ -90,47 +90,34 @@ class Output:
 
     def send_epoch(self) -> None:
         """After a filter update: the receiver's epoch and the innovations it made."""
-        e = self._gnss.latest
-        self._send_frame(
-            frames.GNSS,
-            max(e[gnss.VALID_NS], EARLIEST_NS) // 1000,
-            e[gnss.TIME_OF_DAY_MS],
-            e[gnss.DATE_DAYS],
-            e[gnss.FLAGS],
-            e[gnss.LAT_NANODEG],
-            e[gnss.LON_NANODEG],
-            e[gnss.HEIGHT_MM],
-            e[gnss.HEIGHT_MSL_MM],
-            e[gnss.SPEED_MMPS],
-            e[gnss.COURSE_E5DEG],
-            e[gnss.VEL_N_MMPS],
-            e[gnss.VEL_E_MMPS],
-            e[gnss.VEL_D_MMPS],
-            min(e[gnss.SATELLITES], 0xFF),
-            min(e[gnss.HDOP_CENTI], 0xFFFF),
-            e[gnss.H_ACC_MM],
-            e[gnss.V_ACC_MM],
-        )
-        time_ns, mask, values = self._navigation.innovation()
+        packed = self._pack(frames.GNSS, *_told_of_epoch(self._gnss.latest))
+        time_ns, mask, numbers = self._navigation.innovation()
         if mask:
-            self._send_frame(frames.INNOVATION, max(time_ns, 0) // 1000, mask, *values)
+            head = frames.INNOVATION_HEAD.pack(max(time_ns, 0) // 1000, mask)
+            packed.append(self._writer.numbers(frames.INNOVATION, head, numbers))
+        self._send_together(packed)
         self._cpu.spend(self._frame_cost)
 
     def send_slow(self) -> None:
         """Once a second: covariance, slow states, status."""
-        navigation = self._navigation
-        bad_checksums, garbage = self._gnss.stream.line_errors()
-        state_us = max(int(navigation.i[layout.TIME]), 0) // 1000
+        navigation, writer = self._navigation, self._writer
         now_us = self._now_ns() // 1000
-        self._send_frame(frames.COVARIANCE, state_us, *navigation.covariance())
-        self._send_frame(frames.BIAS, state_us, *navigation.biases())
+        head = frames.TIME_HEAD.pack(max(int(navigation.i[layout.TIME]), 0) // 1000)
+        covariance = writer.numbers(frames.COVARIANCE, head, navigation.covariance())
+        biases = writer.numbers(frames.BIAS, head, navigation.biases())
         solution = self._solution()
-        self._send_frame(
-            frames.STATUS,
-            now_us,
-            self.mode,
-            self.flags,
-            self._gnss.epochs & 0xFFFFFFFF,
+        status = self._pack(frames.STATUS, now_us, self.mode, self.flags, *self._counters())
+        self._send_together([covariance, biases, *status])
+        self._cpu.spend(self._slow_cost)
+        self._send_sentences(*solution)
+        self._send_lists(now_us)
+
+    def _counters(self) -> tuple[int, ...]:
+        """What STATUS counts."""
+        navigation, gnss_port = self._navigation, self._gnss
+        bad_checksums, garbage = gnss_port.stream.line_errors()
+        return (
+            gnss_port.epochs & 0xFFFFFFFF,
             self._acquisition.reads & 0xFFFFFFFF,
             navigation.samples_missed & 0xFFFFFFFF,
             navigation.samples_repeated & 0xFFFFFFFF,
@@ -138,11 +125,8 @@ class Output:
             garbage & 0xFFFF,
             self.dropped & 0xFFFF,
             self._acquisition.starts & 0xFF,
-            int(self._gnss.pulse_dated),
+            int(gnss_port.pulse_dated),
         )
-        self._cpu.spend(self._slow_cost)
-        self._send_sentences(*solution)
-        self._send_lists(now_us)
 
     def _send_sentences(self, floats: list[float], integers: list[int]) -> None:
         """NMEA of our own solution."""
@@ -205,22 +189,26 @@ class Output:
                 self._blocks_unsynced = 0
                 log.sync()
 
-    def _send_frame(self, kind: int, *values: float) -> None:
-        """Pack and send; a frame with a value that its field cannot hold is dropped, and counted."""
+    def _pack(self, kind: int, *values: float) -> list[bytes]:
+        """The frame; none, counted as dropped, when a field cannot hold its value."""
         try:
-            frame = self._writer.pack(kind, *values)
+            return [self._writer.pack(kind, *values)]
         except (struct.error, OverflowError):
             self.dropped += 1
-            return
-        self._send(frame)
+            return []
 
-    def _send(self, frame: bytes) -> None:
-        if self._uart.tx_free() >= len(frame):
-            self._write(frame)
+    def _send_together(self, packed: list[bytes]) -> None:
+        """Frames that belong together, in one piece: all of them or none."""
+        self._send(b"".join(packed), len(packed))
+
+    def _send(self, data: bytes, count: int = 1) -> None:
+        """`count`: how many frames or sentences this is."""
+        if self._uart.tx_free() >= len(data):
+            self._write(data)
         else:
-            self.dropped += 1
+            self.dropped += count
         if self._log is not None:
-            self._log_buffer += frame
+            self._log_buffer += data
 
     def _utc(self, time_ns: int) -> tuple[int, int]:
         """(UTC time of day in ms, date) of a board time, by the last dated epoch."""
@@ -230,3 +218,26 @@ class Output:
         since_ms = (time_ns - epoch[gnss.VALID_NS]) // 1_000_000
         days, time_of_day = divmod(epoch[gnss.TIME_OF_DAY_MS] + since_ms, DAY_MS)
         return time_of_day, (epoch[gnss.DATE_DAYS] + days) & 0xFFFF
+
+
+def _told_of_epoch(epoch: list[int]) -> tuple[int, ...]:
+    """The values of a GNSS frame."""
+    return (
+        max(epoch[gnss.VALID_NS], EARLIEST_NS) // 1000,
+        epoch[gnss.TIME_OF_DAY_MS],
+        epoch[gnss.DATE_DAYS],
+        epoch[gnss.FLAGS],
+        epoch[gnss.LAT_NANODEG],
+        epoch[gnss.LON_NANODEG],
+        epoch[gnss.HEIGHT_MM],
+        epoch[gnss.HEIGHT_MSL_MM],
+        epoch[gnss.SPEED_MMPS],
+        epoch[gnss.COURSE_E5DEG],
+        epoch[gnss.VEL_N_MMPS],
+        epoch[gnss.VEL_E_MMPS],
+        epoch[gnss.VEL_D_MMPS],
+        min(epoch[gnss.SATELLITES], 0xFF),
+        min(epoch[gnss.HDOP_CENTI], 0xFFFF),
+        epoch[gnss.H_ACC_MM],
+        epoch[gnss.V_ACC_MM],
+    )
