@@ -64,19 +64,21 @@ def _solution(time_us: int, row: Mapping[str, Any]) -> tuple[int, Message] | Non
     sigmas = [f"sigma_{axis}_m" for axis in ("north", "east", "down")]
     sigmas += [f"sigma_v_{axis}_mps" for axis in ("north", "east", "down")]
     tilts = [f"sigma_psi_{axis}_deg" for axis in "ned"]
-    return frames.SOLUTION, Solution(
-        time_us,
-        frames.NO_TIME_OF_DAY,
-        frames.NO_DATE,
-        int(mode) & 0xFF if math.isfinite(mode) else NAVIGATING,
-        int(flags) & 0xFFFF if math.isfinite(flags) else 0,
-        lat,
-        lon,
-        *(_value(row, name) for name in names),
-        *(math.radians(_value(row, name)) for name in angles),
-        *(math.nan,) * 3,
-        *(_value(row, name) for name in sigmas),
-        *(math.radians(_value(row, name)) for name in tilts),
+    return frames.SOLUTION, Solution._make(
+        (
+            time_us,
+            frames.NO_TIME_OF_DAY,
+            frames.NO_DATE,
+            int(mode) & 0xFF if math.isfinite(mode) else NAVIGATING,
+            int(flags) & 0xFFFF if math.isfinite(flags) else 0,
+            lat,
+            lon,
+            *(_value(row, name) for name in names),
+            *(math.radians(_value(row, name)) for name in angles),
+            *(math.nan,) * 3,
+            *(_value(row, name) for name in sigmas),
+            *(math.radians(_value(row, name)) for name in tilts),
+        )
     )
 
 

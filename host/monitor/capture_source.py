@@ -99,7 +99,7 @@ class CaptureSource:
             self._seek_s = self._now_s + SEEK_S
         elif key == "left":
             to_s = max(self._now_s - SEEK_S, 0.0)
-            view.forget()
+            view.forget(0.0)
             self._begin()
             self._seek_s = to_s
         elif key in ("+", "-") and self.pace.speed:

@@ -22,19 +22,13 @@ NAME_WIDTH = 12
 def link_lines(state: BoardState, link: LinkHealth, width: int, height: int) -> list[Text]:
     """Rates, errors and lateness of the line, the flags in words, then what the board says of its inputs."""
     late = "-" if link.late_ms is None else f"{number(link.late_ms, 0)} ms"
-    lines = flowing(
-        [
-            [(f"{number(link.messages_per_s, 1)} msg/s", "")],
-            [(f"{count(link.bytes_per_s)} B/s", "")],
-            [(f"late {late}", "")],
-            [(f"{count(link.frames)} frames", "")],
-            _bad("bad CRC", link.bad_crc),
-            _bad("lost", link.lost),
-            _bad("garbage B", link.garbage_bytes),
-            _bad("unknown", link.unknown),
-        ],
-        width,
-    )
+    rates = [[(f"{number(link.messages_per_s, 1)} msg/s", "")], [(f"{count(link.bytes_per_s)} B/s", "")]]
+    errors = [_bad("bad CRC", link.bad_crc), _bad("garbage B", link.garbage_bytes)]
+    if state.gnss is not None and link.frames == 0:
+        return flowing([*rates, [(f"{count(link.sentences)} messages", "")], *errors], width)
+    frames_told = [[(f"late {late}", "")], [(f"{count(link.frames)} frames", "")]]
+    more = [_bad("lost", link.lost), _bad("unknown", link.unknown)]
+    lines = flowing([*rates, *frames_told, *errors, *more], width)
     flags = flag_names(state.solution.flags) if state.solution is not None else []
     lines += flowing([[flag] for flag in flags or [("no flags", "green")]], width)
     status = state.status

@@ -74,7 +74,7 @@ class PortSource:
     def press(self, key: str, view: MonitorView) -> None:
         """`r` begins anew."""
         if key == "r":
-            view.forget()
+            view.forget(self.now_s)
 
     def close(self) -> None:
         """Let go of the port."""
@@ -108,7 +108,7 @@ class PortSource:
             self._link.set_baud(RATES[self._rate])
             self._understood_at = now
             self._bytes_since = 0
-            view.forget()
+            view.forget(now)
             self._understood = 0
 
     def _is_doubtful(self, now: float) -> bool:

@@ -56,9 +56,10 @@ class MonitorView:
         self._decoder = decoder
         self._map = TrackMap()
 
-    def forget(self) -> None:
-        """Begin anew, as if nothing had been said."""
+    def forget(self, at_s: float) -> None:
+        """Begin anew at `at_s`, as if nothing had been said."""
         self._begin(LinkDecoder())
+        self.state.at_s = at_s
 
     def feed(self, data: bytes, at_s: float) -> None:
         """Bytes of the board, or of a plain receiver, that came at `at_s`, s of the source's clock."""
@@ -98,7 +99,9 @@ class MonitorView:
     # -- arrangements ------------------------------------------------------------------------------
 
     def _layout(self, width: int, height: int) -> Layout:
-        if width < 60:
+        if self.state.solution is None and self.listener.receiver is not None:
+            body = self._receiver(width, height - 2)
+        elif width < 60:
             body = self._narrow(height - 2)
         elif width < 108 or height < 34:
             body = self._small(width, height - 2)
@@ -144,6 +147,15 @@ class MonitorView:
         body.split_column(*parts, _panel("events", self._events, size=events))
         return body
 
+    def _receiver(self, width: int, height: int) -> Layout:
+        """A receiver alone has less to tell."""
+        upper, lower, body = Layout(ratio=1), Layout(ratio=1), Layout()
+        upper.split_row(_panel("position", self._motion), _panel("track", self._track))
+        seen = [_panel("satellites", self._satellites), _panel("sky", self._sky)]
+        lower.split_row(*seen, _panel("line", self._link, size=min(34, width // 3)))
+        body.split_column(upper, lower, *([_panel("events", self._events, size=5)] if height >= 30 else []))
+        return body
+
     def _large(self, width: int, height: int) -> Layout:
         """Three columns and a row of events; the map is largest."""
         events = 6 if height < 44 else 9
@@ -174,6 +186,8 @@ class MonitorView:
         solution = self.state.solution
         mode = solution.mode if solution is not None else None
         told = ("waiting for data", "yellow") if mode is None else (mode_name(mode), mode_style(mode))
+        if mode is None and self.state.gnss is not None:
+            told = (f"receiver: {self.state.fix}", "green")
         head = Text.assemble((f" {self.title} ", "bold reverse"), " ", told, "  ", no_wrap=True)
         head.append(f"t {duration(self.state.at_s)}  ")
         head.append(self.source, self.source_style)
