@@ -167,7 +167,8 @@ class Adxl345:
         return Outcome.ABSENT if self.detail in NOBODY else Outcome.WRONG_CHIP
 
     def start(self) -> Outcome:
-        """Bring the chip up from whatever state it is in, up to its first sample: 1.1 ms and a period."""
+        """Bring the chip up from whatever state it is in, until the first sample has come: 1.1 ms and 1.1
+        periods. In bypass mode that sample is read, so that the next one raises the data-ready pin."""
         config = self.config
         self._port.write(Register.POWER_CTL, STANDBY)
         self._port.write(Register.DATA_FORMAT, config.data_format)
@@ -180,7 +181,9 @@ class Adxl345:
             self._port.write(register, value)
         held = self._holds(config.registers())
         if held is Outcome.OK:
-            self._cpu.delay(TURN_ON_NS + config.period_ns)
+            self._cpu.delay(TURN_ON_NS + config.period_ns * 11 // 10)
+            if config.fifo == "bypass":
+                self.read()
         return held
 
     def read(self) -> bool:
