@@ -201,12 +201,16 @@ class BusSide(ABC):
 
     def i2c_read(self, address: int, count: int, time_ns: int) -> bytes:
         """A burst read; see `I2cFace`."""
-        if address in DATA and rate_period(self._core.registers.values[BW_RATE]) < _FASTEST_PERIOD_ON_I2C:
+        if address in DATA and self._too_fast_for_i2c:
             detail = "output rate of 1600 Hz or more: not for this bus"
             self.log.report(ReportKind.TIMING, "I2C", detail, time_ns)
         data = self._read(address, count, time_ns, None, 1)
         self._after_read(address, count, time_ns)
         return data
+
+    @property
+    def _too_fast_for_i2c(self) -> bool:
+        return rate_period(self._core.registers.values[BW_RATE]) < _FASTEST_PERIOD_ON_I2C
 
     def i2c_write(self, address: int, data: bytes, time_ns: int) -> None:
         """A burst write."""
@@ -228,6 +232,8 @@ class BusSide(ABC):
             )
         self._settle_short_way()
         core.advance(start_ns)
+        if first == DATAX0 and count == len(DATA) and step:
+            return self._read_sample(start_ns, byte_ns)
         data = bytearray()
         frame: bytes | None = None
         begun_ns = now = start_ns
@@ -248,6 +254,14 @@ class BusSide(ABC):
         if frame is not None:
             core.fifo.read(begun_ns, now + (byte_ns or 0), settles=byte_ns is not None)
         return bytes(data)
+
+    def _read_sample(self, start_ns: int, byte_ns: int | None) -> bytes:
+        """The six data registers, the chip being up to date."""
+        settles = byte_ns is not None
+        begun_ns = start_ns + (byte_ns or 0)
+        frame = self._data(begun_ns, settles=settles)
+        self._core.fifo.read(begun_ns, start_ns + 7 * (byte_ns or 0), settles=settles)
+        return frame[1:]
 
     def _data(self, time_ns: int, *, settles: bool) -> bytes:
         """A zero and the data registers as a read finds them."""

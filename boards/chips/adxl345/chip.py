@@ -1,7 +1,8 @@
 """The ADXL345 as a part on a board: the common read in a short way, interrupt pins and their events.
 
 The common access, the six data bytes in bypass mode, is cut out of the sampler's block image: one slice
-while the sample is still the newest, one search when it is not. Everything else takes the general way
+while the sample is still the newest, one search when it is not. The same burst takes a sample out of the
+FIFO without further ado while only output samples change anything. Everything else takes the general way
 (`bus_side`).
 
 Events exist only while somebody follows a pin on which the firmware has put an enabled source. For data
@@ -14,6 +15,7 @@ from __future__ import annotations
 from bisect import bisect_right
 
 from boards.chips.adxl345.bus_side import CS_HIGH_NS, BusSide, PinNet
+from boards.chips.adxl345.fifo import BYPASS
 from boards.chips.adxl345.register_map import (
     DATA,
     DATA_FORMAT,
@@ -51,6 +53,7 @@ class Adxl345(BusSide):
         "_event",
         "_event_times",
         "_fast_to",
+        "_fifo_way",
         "_frame",
         "_image",
         "_mask",
@@ -93,6 +96,8 @@ class Adxl345(BusSide):
         self._event_times: list[int] = []
         self._next_row = 0
         """Of the next data-ready event; −1 before the first."""
+        self._fifo_way = False
+        """Whether a read of the data only takes a sample out of the FIFO, if one waits."""
         self._fast_to = self._next_ns = 0
         """The short way serves reads before `_fast_to`, and `_frame` those before `_next_ns`; 0: closed."""
         self._frame = b""
@@ -104,13 +109,14 @@ class Adxl345(BusSide):
     def transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
         """One chip-select low period; see `hal.emulated.spi.SpiSlave`."""
         if (
-            start_ns >= self._fast_to
-            or len(mosi) != STRIDE
+            len(mosi) != STRIDE
             or mosi[0] != _BURST
             or end_ns - start_ns != self._vetted
             or (start_ns < self._ready_ns and start_ns != self._ended_ns)
         ):
             return self._transaction(mosi, start_ns, end_ns)
+        if start_ns >= self._fast_to:
+            return self._pop(start_ns, end_ns) or self._transaction(mosi, start_ns, end_ns)
         self._read_ns = start_ns
         self._ended_ns = end_ns
         self._ready_ns = end_ns + CS_HIGH_NS
@@ -120,6 +126,33 @@ class Adxl345(BusSide):
             self._asserted = False
             self._net.set(not self._active)  # type: ignore[union-attr]
         return self._frame
+
+    def _pop(self, start_ns: int, end_ns: int) -> bytes | None:
+        """The same read where it takes a sample out of the FIFO; None when there is more to it."""
+        core = self._core
+        fifo = core.fifo
+        if not self._fifo_way or fifo.settling(start_ns + (end_ns - start_ns) // STRIDE):
+            return None
+        if start_ns >= self._next_ns:
+            core.advance(start_ns)
+            self._next_ns = core.next_sample_ns
+        if not fifo.data_ready:
+            return None
+        self._ended_ns = end_ns
+        self._ready_ns = end_ns + CS_HIGH_NS
+        return fifo.pop(end_ns)
+
+    def i2c_read(self, address: int, count: int, time_ns: int) -> bytes:
+        """A burst read by I²C; the six data bytes in bypass mode take the short way."""
+        if time_ns >= self._fast_to or address != DATA[0] or count != len(DATA) or self._too_fast_for_i2c:
+            return super().i2c_read(address, count, time_ns)
+        self._read_ns = time_ns
+        if time_ns >= self._next_ns:
+            self._find_row(time_ns)
+        if self._asserted:
+            self._asserted = False
+            self._net.set(not self._active)  # type: ignore[union-attr]
+        return self._frame[1:]
 
     def _find_row(self, time_ns: int) -> None:
         """Move the short way to the newest sample at a time inside the block."""
@@ -131,10 +164,14 @@ class Adxl345(BusSide):
         """Let the read of the data be served from the block, where nothing but time can change it."""
         core = self._core
         self._fast_to = self._next_ns = 0
-        if not (self._powered and self._vetted and core.plain_bypass):
+        self._fifo_way = False
+        if not self._powered or not core.steady:
             return
         if self._event is not None and self._net is None and self._mask & LIVE:
             return  # a read ends an assertion of the general kind
+        self._fifo_way = core.fifo.mode != BYPASS
+        if self._fifo_way:
+            return
         sampler = core.sampler
         sampler.cover(sampler.clock.tick(time_ns))
         if not sampler.times or not sampler.times[0] <= time_ns < sampler.times[-1]:

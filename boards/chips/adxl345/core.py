@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from boards.chips.adxl345.detection import REGISTERS as DETECTION_REGISTERS
 from boards.chips.adxl345.detection import UNDECIMATED, Detection
-from boards.chips.adxl345.fifo import BYPASS, Fifo
+from boards.chips.adxl345.fifo import BYPASS, POP_NS, Fifo
 from boards.chips.adxl345.register_map import (
     ACTIVITY,
     ASLEEP,
@@ -288,11 +288,23 @@ class Core:
             self._pull_trigger()
 
     @property
-    def plain_bypass(self) -> bool:
-        """Whether a read of the data needs nothing but the newest sample of steady sampling."""
+    def steady(self) -> bool:
+        """Whether nothing but output samples can change anything."""
+        fifo = self.fifo
         return (
-            self.fifo.mode == BYPASS
-            and self.sampler.plan is not None
+            self.sampler.plan is not None
             and not self.sleeping
             and not self.detection.enabled
+            and not fifo.armed
+            and (self.trigger_ns is None or self._now > self.trigger_ns + POP_NS)
         )
+
+    @property
+    def plain_bypass(self) -> bool:
+        """Whether a read of the data needs nothing but the newest sample of steady sampling."""
+        return self.fifo.mode == BYPASS and self.steady
+
+    @property
+    def next_sample_ns(self) -> int:
+        """When the next output sample comes."""
+        return self.sampler.instant_after(self._tick, 1)

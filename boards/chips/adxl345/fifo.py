@@ -152,3 +152,10 @@ class Fifo:
             self._taken = self._queue.popleft()
         if settles:
             self._taken_until = end_ns + POP_NS
+
+    def pop(self, end_ns: int) -> bytes:
+        """Read a sample that waits, by a burst that ends at `end_ns`; the last read has settled."""
+        self.overrun = False
+        self._taken = taken = self._queue.popleft()
+        self._taken_until = end_ns + POP_NS
+        return taken
