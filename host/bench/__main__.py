@@ -3,6 +3,7 @@
 python -m host.bench               speed, shares and start-up: about five minutes of a quiet core at most
 python -m host.bench --memory      also a run of ten hours beside one of one hour
 python -m host.bench --campaign N  only N runs of ten minutes on two workers beside one process
+python -m host.bench --chips       only what a read costs through driver, bus and chip model
 python -m host.bench --json FILE   the figures as JSON ("-": standard output)
 """
 
@@ -30,6 +31,7 @@ def main() -> None:
     parser.add_argument("--json", metavar="FILE", help='write the figures ("-": standard output)')
     parser.add_argument("--memory", action="store_true", help="compare ten hours with one")
     parser.add_argument("--campaign", type=int, metavar="N", help="only a campaign of N runs on two workers")
+    parser.add_argument("--chips", action="store_true", help="only reads through driver, bus and chip model")
     parser.add_argument("--repeats", type=int, default=3, help="runs of which the best counts")
     parser.add_argument("--duration", type=float, help="seconds of the drive (default: all)")
     options = parser.parse_args()
@@ -37,6 +39,11 @@ def main() -> None:
         from host.bench.campaigns import campaign_speed
 
         print(json.dumps(campaign_speed(options.campaign), indent=1))
+        return
+    if options.chips:
+        from host.bench.chip_reads import read_us
+
+        print(json.dumps(read_us(options.repeats), indent=1))
         return
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
