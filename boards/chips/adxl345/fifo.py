@@ -80,16 +80,20 @@ class Fifo:
         assert sampler.plan is not None
         period = sampler.plan.period
         first = (after // period + 1) * period
+        queue = self._queue
+        if count == 1 and len(queue) < ENTRIES - 1:
+            queue.append(sampler.registers(first))
+            return
         if self.mode == STREAM or self.armed:
             skipped = max(0, count - CAPACITY)
             wanted = range(skipped, count)
         else:
-            wanted = range(min(count, CAPACITY - len(self._queue)))
+            wanted = range(min(count, CAPACITY - len(queue)))
         for k in wanted:
-            self._queue.append(sampler.registers(first + k * period))
-        while len(self._queue) > CAPACITY:
-            self._queue.popleft()
-        self.overrun = self.overrun or len(self._queue) >= ENTRIES
+            queue.append(sampler.registers(first + k * period))
+        while len(queue) > CAPACITY:
+            queue.popleft()
+        self.overrun = self.overrun or len(queue) >= ENTRIES
 
     def trigger(self) -> None:
         """The trigger pin: keep the newest samples and go on as in FIFO mode."""

@@ -82,6 +82,8 @@ class Sampler:
         self._values: NDArray[np.float64] = np.empty((0, 7))
         self._history = self.g
         self._response = response
+        self._first_output = 0
+        """Tick of the image's first sample."""
         self._before = response.deflection_g
         self._switched = _LONG_AGO
         self._form = form
@@ -139,21 +141,20 @@ class Sampler:
         plan = self.plan
         if plan is None:
             return self.held
-        row = (tick - tick % plan.period - self._first_output(plan)) // plan.period
-        if row < 0 or not self.image:
-            return self.held
-        return self.image[row * STRIDE : (row + 1) * STRIDE]
+        at = (tick // plan.period - self._first_output // plan.period) * STRIDE
+        return self.image[at : at + STRIDE] if at >= 0 and self.image else self.held
 
     def instant_after(self, tick: int, count: int) -> int:
         """Time (ns) of the count-th output sample after `tick`."""
         assert self.plan is not None
         period = self.plan.period
-        return self.clock.instant((tick // period + count) * period)
+        coming = (tick // period + count) * period
+        row = (coming - self._first_output) // period
+        if 0 <= row < len(self.times):
+            return self.times[row]
+        return self.clock.instant(coming)
 
     # -- blocks ------------------------------------------------------------------------------------
-
-    def _first_output(self, plan: Plan) -> int:
-        return -(-self.first_tick // plan.period) * plan.period
 
     def _load(self, first: int, ticks: int) -> None:
         plan = self.plan
@@ -166,13 +167,13 @@ class Sampler:
         if plan.window > 1:
             self._history = np.concatenate((self._history, self.g))[1 - plan.window :]
         self.first_tick, self.end_tick = first, first + count * plan.grid
+        self._first_output = -(-first // plan.period) * plan.period
         self.g = np.empty((count, 3))
         self.filtered = np.empty((count, 3)) if plan.window > 1 else self.g
         self.image = b""
         self._convert(0)
-        output = self._first_output(plan)
         samples = len(self.image) // STRIDE
-        self.times = self.clock.grid(output, plan.period, samples + 1).tolist()
+        self.times = self.clock.grid(self._first_output, plan.period, samples + 1).tolist()
 
     def _convert(self, row: int) -> None:
         """Make g and the register image of the block from value `row` on."""
@@ -187,7 +188,7 @@ class Sampler:
             past = np.concatenate((self._history, self.g[:row]))[1 - plan.window :]
             fill_means(past, self.g[row:], plan.window, self.filtered[row:])
         output = -(-tick // plan.period) * plan.period
-        done = (output - self._first_output(plan)) // plan.period
+        done = (output - self._first_output) // plan.period
         words = np.empty((max(0, -(-(self.end_tick - output) // plan.period)), STRIDE), np.uint8)
         rows = np.array(((output - self.first_tick) // plan.grid, plan.period // plan.grid), np.int64)
         layout = np.array((form.low, form.high, form.mask, form.shift), np.int64)
