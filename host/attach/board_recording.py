@@ -19,7 +19,7 @@ from host.record.run_folder import RunFolder
 from host.record.tables import DEGREES, SOLUTION
 
 FLUSH_EVERY_NS = 500_000_000
-WITHOUT_TRUTH = len(SOLUTION.columns) - 12
+WITHOUT_TRUTH = SOLUTION.columns.index("error_north_m")
 COLUMNS = (*SOLUTION.columns[:WITHOUT_TRUTH], "board_s")
 DECIMALS = (*SOLUTION.decimals[:WITHOUT_TRUTH], 6)
 NANODEG = 1e-9
