@@ -14,7 +14,7 @@ from typing import Protocol
 
 from hal.emulated.virtual_time import VirtualTime
 
-BANNER = b"\r\nBus Pirate v3.5\r\nCommunity Firmware v7.1\r\nHiZ>"
+BANNER = "\r\nBus Pirate v3.5\r\nFirmware {}\r\nHiZ>"
 TERMINAL_BUFFER = 4096
 SPI_HZ = (30_000, 125_000, 250_000, 1_000_000, 2_000_000, 2_600_000, 4_000_000, 8_000_000)
 I2C_HZ = (5_000, 50_000, 100_000, 400_000)
@@ -57,11 +57,13 @@ class EmulatedBusPirate:
         i2c: dict[int, I2cChip] | None = None,
         supply: Callable[[bool], None] | None = None,
         modes: str = "SPI I2C",
+        firmware: str = "v7.1",
     ) -> None:
         self.wall = wall or WallTime()
         self.spi = spi
         self.i2c = i2c or {}
         self.modes = modes
+        self.banner = BANNER.format(firmware).encode()
         self._supply = supply
         self.power = self.pull_ups = self.aux = False
         self.cs = True
@@ -97,7 +99,7 @@ class EmulatedBusPirate:
         self._owed.clear()
         self._out.clear()
         self._mode = self._begin(self._terminal())
-        return BANNER
+        return self.banner
 
     @staticmethod
     def _begin(mode: Mode) -> Mode:
@@ -118,7 +120,7 @@ class EmulatedBusPirate:
             if zeros == 20:
                 zeros = 0
                 yield from self._bitbang()
-                self._out += BANNER
+                self._out += self.banner
 
     def _bitbang(self) -> Mode:
         self._outputs_off()
