@@ -15,6 +15,8 @@ from host.serve.stream import READ_BYTES, Carrier, Stream
 
 MOST_CLIENTS = 32
 GOODBYE_S = 1.0
+SYSTEM_BUFFER_BYTES = 1 << 16
+"""What the system keeps for a client besides its stream's buffer: by itself it would take megabytes."""
 
 
 class SocketCarrier:
@@ -24,6 +26,7 @@ class SocketCarrier:
         connection.setblocking(False)
         with contextlib.suppress(OSError):
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            connection.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SYSTEM_BUFFER_BYTES)
         self.waited: Waited = connection
         self._connection = connection
 
