@@ -12,19 +12,10 @@ The counter is one for all five frames of a set. Values are meant only when the 
 
 from __future__ import annotations
 
-from functools import partial
-from struct import Struct
-from typing import Any, Final
-
-from hal.can import CanFrame
+from typing import Final
 
 BASE_IDENTIFIER: Final = 0x310
-FRAME_BYTES: Final = 8
 FRAME_COUNT: Final = 5
-EIGHT_BYTES: Final = Struct(f"{FRAME_BYTES}s" * FRAME_COUNT).unpack_from
-NOT_EXTENDED: Final = (False,) * FRAME_COUNT
-FRAME_OF_FIELDS: Final[Any] = partial(tuple.__new__, CanFrame)
-"""`CanFrame._make` for fields that are known to be three."""
 
 
 def identifiers(base: int) -> tuple[int, ...]:
@@ -34,8 +25,3 @@ def identifiers(base: int) -> tuple[int, ...]:
             f"CAN base identifier is {base:#x}; for {FRAME_COUNT} frames 0x0 … 0x7fb is possible"
         )
     return tuple(base + k for k in range(FRAME_COUNT))
-
-
-def can_frames(numbers: tuple[int, ...], data: bytearray, at: int) -> tuple[CanFrame, ...]:
-    """The set with these identifiers whose bytes stand in `data` from `at` on."""
-    return tuple(map(FRAME_OF_FIELDS, zip(numbers, EIGHT_BYTES(data, at), NOT_EXTENDED, strict=True)))

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.link import solution_packing as place
-from firmware.link.can_output import BASE_IDENTIFIER, can_frames, identifiers
+from firmware.link.can_output import BASE_IDENTIFIER, identifiers
 from firmware.link.frames import PAYLOADS, SOLUTION, SYNC, FrameWriter
 from firmware.numerics.dialect import entry_point
-from hal.can import CanFrame
+from hal.can import CanSet
 
 PACK_WORDS: Final = Struct(f"={place.WORDS}q").pack_into
 
@@ -29,6 +29,7 @@ class SolutionOutput:
         head = SYNC + bytes((SOLUTION, PAYLOADS[SOLUTION].size))
         self._buffer[place.FRAME_AT : place.SEQUENCE_AT] = head
         self._frame = memoryview(self._buffer)[place.FRAME_AT : place.FRAME_END]
+        self._can = memoryview(self._buffer)[place.CAN_AT :]
         self._data: NDArray[np.uint8] = np.frombuffer(self._buffer, np.uint8)
         self._numbers: NDArray[np.float32] = np.frombuffer(self._buffer, np.float32)
         self._word_bytes = bytearray(8 * place.WORDS)
@@ -42,11 +43,11 @@ class SolutionOutput:
         time_us: int,
         time_of_day_ms: int,
         date_days: int,
-    ) -> tuple[bytes, tuple[CanFrame, ...]]:
+    ) -> tuple[bytes, CanSet]:
         """(frame, CAN set) of a solution record: `floats` (19) m, m/s, rad, rad/s, `integers` (5)."""
         counter = self._counter
         self._counter = (counter + 1) & 15
         PACK_WORDS(self._word_bytes, 0, time_us, time_of_day_ms, date_days, self._next_sequence(), counter)
         floats = np.asarray(floats, np.float32)
         self._pack(floats, integers, self._words, self._data, self._numbers)
-        return bytes(self._frame), can_frames(self._identifiers, self._buffer, place.CAN_AT)
+        return bytes(self._frame), CanSet(self._identifiers, bytes(self._can))

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from hal.can import CanController, CanFrame
+from hal.can import CanController, CanFrame, CanSet
 
 FRAMES = (
     CanFrame(0x000, b""),
@@ -45,6 +45,21 @@ def sends_in_order(bench: CanBench) -> None:
     assert bench.sent() == list(FRAMES), bench.sent()
 
 
+def sends_a_set(bench: CanBench) -> None:
+    """A set goes as its frames do, also a second time and as a part of it."""
+    whole = CanSet((0x310, 0x7FF, 0x000), bytes(range(16)) + b"\xff" * 8)
+    frames = list(whole)
+    assert [frame.data for frame in frames] == [bytes(range(8)), bytes(range(8, 16)), b"\xff" * 8]
+    bench.expect([*frames, *frames, frames[1]])
+    assert bench.controller.send(whole) == 3
+    bench.settle()
+    assert bench.controller.send(whole) == 3
+    bench.settle()
+    assert bench.controller.send(whole[1:2]) == 1
+    bench.settle()
+    assert bench.sent() == [*frames, *frames, frames[1]], bench.sent()
+
+
 def sends_nothing(bench: CanBench) -> None:
     """No frames are no error."""
     assert bench.controller.send(()) == 0
@@ -72,6 +87,7 @@ def does_not_hear_itself(bench: CanBench) -> None:
 
 CHECKS: tuple[Callable[[CanBench], None], ...] = (
     sends_in_order,
+    sends_a_set,
     sends_nothing,
     receives_in_order,
     does_not_hear_itself,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 
 from hal.can import CanFrame
 from hal.emulated.can_bus import ERROR_PASSIVE, EmulatedCanBus
@@ -32,11 +33,12 @@ class CanNode:
         """Whether frames must be delivered exactly when they end."""
         bus.attach(self)
 
-    def send(self, frames: tuple[CanFrame, ...]) -> int:
+    def send(self, frames: Sequence[CanFrame]) -> int:
         """Queue frames in order and return how many were taken. ValueError for one that CAN does not have."""
         bus = self.bus
-        if bus.carry(self, frames):
-            return len(frames)
+        count = len(frames)
+        if bus.carry(self, frames, count):
+            return count
         bus.catch_up()
         room = self.depth - len(self.queue) - self.planned
         taken = frames[:room] if room > 0 else ()

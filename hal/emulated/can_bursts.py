@@ -7,12 +7,13 @@ CRC and its stuff bits, is computed for all kept sets at once.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from itertools import chain
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from hal.can import CanFrame
+from hal.can import CanFrame, CanSet
 from hal.emulated.can_frame import INTERFRAME_BITS, LONGEST_FRAME_BITS, check_frame, frame_lengths
 from hal.emulated.virtual_time import SECOND
 
@@ -20,22 +21,14 @@ if TYPE_CHECKING:
     from hal.emulated.can import CanNode
     from hal.emulated.can_bus import EmulatedCanBus
 
-LONGEST_NS = (LONGEST_FRAME_BITS + INTERFRAME_BITS) * SECOND
+LONGEST_BITS = LONGEST_FRAME_BITS + INTERFRAME_BITS
 MOST_KEPT = 1024
 
 HeardFrame = tuple[CanFrame, int, str]
 """A frame, when it ended (ns), and the name of the node that sent it."""
 
-Shape = tuple[tuple[int, ...], tuple[bool, ...], tuple[int, ...]]
-"""Identifiers, whether they are extended ones, and numbers of bytes."""
-
-
-class Burst(NamedTuple):
-    """A set whose first frame begins at `begin_ns`."""
-
-    begin_ns: int
-    node: CanNode
-    frames: tuple[CanFrame, ...]
+Burst = tuple[int, "CanNode", Sequence[CanFrame]]
+"""When the first frame of a set begins (ns), who sends it, and the set."""
 
 
 class WorkedOut(NamedTuple):
@@ -54,45 +47,48 @@ class CanBursts:
     def __init__(self, bitrate: int) -> None:
         self.over_by = 0
         """When the last set has ended for sure (ns)."""
+        self.kept: list[Burst] = []
+        self._longest_ns = LONGEST_BITS * SECOND // bitrate
         self._bitrate = bitrate
-        self._kept: list[Burst] = []
-        self._good_shape: Shape = ((), (), ())
+        self._good_identifiers: tuple[int, ...] = ()
 
-    def __len__(self) -> int:
-        return len(self._kept)
+    def keep(self, begin: int, node: CanNode, frames: Sequence[CanFrame], count: int) -> None:
+        """`count` frames of `node`, the first of which begins at `begin` (ns), not before `over_by`.
 
-    def keep(self, begin: int, node: CanNode, frames: tuple[CanFrame, ...]) -> None:
-        """Frames of `node`, at least one; the first begins at `begin` (ns), not before `over_by`.
-
-        ValueError for a frame that CAN does not have.
+        ValueError for a frame that CAN does not have; identifiers of a `CanSet` are looked at once.
         """
-        identifiers, data, extended = zip(*frames, strict=True)
-        shape = identifiers, extended, tuple(map(len, data))
-        if shape != self._good_shape:
-            for frame in frames:
-                check_frame(frame)
-            self._good_shape = shape
-        self._kept.append(Burst(begin, node, frames))
-        self.over_by = begin + len(frames) * LONGEST_NS // self._bitrate
+        if type(frames) is not CanSet:
+            _check(frames)
+        elif frames.identifiers is not self._good_identifiers:
+            _check(frames)
+            self._good_identifiers = frames.identifiers
+        self.kept.append((begin, node, frames))
+        self.over_by = begin + count * self._longest_ns
 
     def take(self) -> list[Burst]:
         """All kept sets; nothing is kept any more. All but the last have ended."""
-        kept, self._kept = self._kept, []
+        kept, self.kept = self.kept, []
         return kept
 
     def work_out(self, bursts: list[Burst]) -> WorkedOut:
         """When every frame of these sets ends, all side by side; at least one."""
-        frames = list(chain.from_iterable([burst.frames for burst in bursts]))
-        counts = [len(burst.frames) for burst in bursts]
+        begin_of_set, nodes, sets = zip(*bursts, strict=True)
+        frames = list(chain.from_iterable(sets))
+        counts = list(map(len, sets))
         lengths = frame_lengths(frames)
         bits = np.array(lengths) + INTERFRAME_BITS
         behind = np.cumsum(bits)
         first = np.cumsum(counts) - counts
         before_set = np.repeat(behind[first] - bits[first], counts)
-        begins = np.repeat(np.array([burst.begin_ns for burst in bursts]), counts)
+        begins = np.repeat(np.array(begin_of_set), counts)
         ends = begins + (behind - before_set - INTERFRAME_BITS) * SECOND // self._bitrate
-        senders = [burst.node for burst in bursts for _ in burst.frames]
+        senders = [node for node, count in zip(nodes, counts, strict=True) for _ in range(count)]
         return WorkedOut(frames, senders, ends.tolist(), lengths)
+
+
+def _check(frames: Iterable[CanFrame]) -> None:
+    for frame in frames:
+        check_frame(frame)
 
 
 class LateCanListener:

@@ -14,7 +14,7 @@ has it for a node alone on its bus. A disturbed bus makes every attempt fail aft
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 from hal.can import CanFrame
@@ -145,25 +145,28 @@ class EmulatedCanBus:
 
     # -- for the nodes -----------------------------------------------------------------------------
 
-    def carry(self, node: CanNode, frames: tuple[CanFrame, ...]) -> bool:
-        """Take all frames of `node` the short way; False when they have to be queued and planned.
+    def carry(self, node: CanNode, frames: Sequence[CanFrame], count: int) -> bool:
+        """Take all `count` frames of `node` the short way; False when they have to be queued and planned.
 
         Raises ValueError for a frame that CAN does not have.
         """
         now = self.time.now
-        if not self._keeps_bursts or self._plan or now < self._bursts.over_by or node.error_count:
+        bursts = self._bursts
+        if not self._keeps_bursts or self._plan or now < bursts.over_by or node.error_count:
             return False
-        if not frames or len(frames) > node.depth or now < self._instant(self._run_bits):
+        if not 0 < count <= node.depth:
             return False
-        self._bursts.keep(now, node, frames)
-        if len(self._bursts) > MOST_KEPT:
+        if not bursts.kept and now < self._instant(self._run_bits):
+            return False
+        bursts.keep(now, node, frames, count)
+        if len(bursts.kept) > MOST_KEPT:
             self.catch_up()
         return True
 
     def catch_up(self) -> None:
         """Settle everything that has ended by now."""
         now = self.time.now
-        if self._bursts:
+        if self._bursts.kept:
             self._unfold_bursts()
         plan = self._plan
         while plan and plan[0].end <= now:
@@ -225,9 +228,10 @@ class EmulatedCanBus:
             else:
                 for frame, sender, end, length in zip(*ended, strict=True):
                     self._get_through(sender, frame, end, length + INTERFRAME_BITS)
-        self._run_start, self._run_bits = last.begin_ns, 0
-        last.node.queue.extend([(frame, frame_bits(frame)) for frame in last.frames])
-        self._add_all(last.node)
+        self._run_start, node, frames = last
+        self._run_bits = 0
+        node.queue.extend([(frame, frame_bits(frame)) for frame in frames])
+        self._add_all(node)
 
     def _hear_all(self, ended: WorkedOut) -> None:
         """Frames of the only node, which got through while only late listeners heard."""

@@ -68,7 +68,7 @@ class UartWire:
         for fault in self._faults:
             data = fault.sent(data)
         if data:
-            self._put_on_line(data)
+            self._put_on_line(self._behind_the_queue(data))
         return taken
 
     def set_baud(self, baud: int) -> None:
@@ -183,12 +183,11 @@ class UartWire:
 
     # ----------------------------------------------------------------------------------------------
 
-    def _put_on_line(self, data: bytes) -> None:
-        piece = self._behind_the_queue(data)
+    def _put_on_line(self, piece: SentBytes) -> None:
         self._queue.append(piece)
         self._end = end = piece.end
         self._line_ns += end - piece.begin
-        self.bytes_sent += len(data)
+        self.bytes_sent += len(piece.data)
         if self._stepping:
             self._send_stepping(piece)
         else:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Sequence
 from threading import Thread
 from time import monotonic, sleep
 from typing import Any
@@ -53,7 +54,7 @@ class LiveCan:
         self._thread = Thread(target=self._read_for_ever, name=f"read {interface}:{channel}", daemon=True)
         self._thread.start()
 
-    def send(self, frames: tuple[CanFrame, ...]) -> int:
+    def send(self, frames: Sequence[CanFrame]) -> int:
         """Queue frames in order and return how many were taken."""
         self._cpu.safe_point()
         for count, frame in enumerate(frames):

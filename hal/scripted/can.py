@@ -1,6 +1,7 @@
 """A scripted CAN controller."""
 
 from collections import deque
+from collections.abc import Sequence
 
 from hal.can import CanFrame
 from hal.scripted.transcript import Transcript, hex_words, to_bytes
@@ -15,7 +16,7 @@ class ScriptedCan:
         self._received: deque[CanFrame] = deque()
         transcript.on_arrival("can", name, self._arrive)
 
-    def send(self, frames: tuple[CanFrame, ...]) -> int:
+    def send(self, frames: Sequence[CanFrame]) -> int:
         """A step for each frame, up to the first that finds the queue full."""
         for taken, frame in enumerate(frames):
             identifier = f"{frame.identifier:08x}x" if frame.extended else f"{frame.identifier:03x}"

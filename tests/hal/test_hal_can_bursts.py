@@ -1,9 +1,12 @@
 """Sets of frames on an idle bus take a short way; nobody on the bus may be able to tell."""
 
+from collections.abc import Sequence
+
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hal.can import CanFrame
+from hal.can import CanFrame, CanSet
 from hal.emulated.can import CanNode, EmulatedCanBus
 from hal.emulated.can_frame import LONGEST_FRAME_BITS, frame_bits, frame_lengths
 from hal.emulated.virtual_time import SECOND, VirtualTime
@@ -72,6 +75,13 @@ class Bench:
             self.time.run_next()
         self._do("ask", ())
 
+    def run(self, duration_ns: int) -> None:
+        """Let time pass."""
+        end = self.time.now + duration_ns
+        self.time.at(end, lambda: None)
+        while self.time.next_due <= end:
+            self.time.run_next()
+
     def _do(self, what: str, frames: tuple[CanFrame, ...]) -> None:
         bus = self.bus
         if what == "send":
@@ -136,3 +146,34 @@ def test_receiver_that_polls_gets_frames_of_a_kept_set() -> None:
     time.now = end
     bus.catch_up()
     assert received == [(first, end)]
+
+
+SETS = st.lists(
+    st.tuples(st.integers(0, 40 * MS), st.integers(1, 20), st.binary(min_size=1, max_size=8)), max_size=8
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(SETS)
+def test_sets_get_through_like_their_frames(sets: list[tuple[int, int, bytes]]) -> None:
+    """Also those that find the bus busy or the queue full."""
+    outcomes = []
+    for as_set in (True, False):
+        bench = Bench(prompt=False)
+        for wait, count, pattern in sets:
+            whole = CanSet(tuple(range(0x100, 0x100 + count)), (pattern * 160)[: 8 * count])
+            frames: Sequence[CanFrame] = whole if as_set else tuple(whole)
+            bench.run(wait)
+            bench.taken.append(bench.node.send(frames))
+        bench.run(SECOND)
+        assert bench.late is not None
+        outcomes.append((bench.late.take(), bench.taken))
+    assert outcomes[0] == outcomes[1]
+
+
+def test_a_set_needs_eight_bytes_for_each_frame_and_identifiers_of_eleven_bits() -> None:
+    with pytest.raises(ValueError, match="a set of 2 CAN frames has 15 data bytes; it needs 8 for each"):
+        CanSet((1, 2), bytes(15))
+    bench = Bench(prompt=False)
+    with pytest.raises(ValueError, match="0x800: a 11-bit one is at most 0x7FF"):
+        bench.node.send(CanSet((0x7FF, 0x800), bytes(16)))

@@ -12,13 +12,13 @@ from hypothesis import strategies as some
 
 from firmware.link.frames import FrameWriter
 from firmware.link.solution_output import SolutionOutput
-from hal.can import CanFrame
+from hal.can import CanSet
 
 DBC = Path(__file__).parents[2] / "boards" / "car_mems" / "car_mems.dbc"
 DATABASE = cantools.database.load_file(DBC)
 
 
-def can_set(output: SolutionOutput, floats: list[float], **changes: int) -> tuple[CanFrame, ...]:
+def can_set(output: SolutionOutput, floats: list[float], **changes: int) -> CanSet:
     told = {"lat_nanodeg": 0, "lon_nanodeg": 0, "time_of_day_ms": 0, "mode": 3, "flags": 0} | changes
     places = ("lat_nanodeg", "lon_nanodeg", "mode", "flags")
     integers = np.array([0, *(told[name] for name in places)], np.int64)
