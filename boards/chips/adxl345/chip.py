@@ -167,7 +167,7 @@ class Adxl345(BusSide):
         self._fifo_way = False
         if not self._powered or not core.steady:
             return
-        if self._event is not None and self._net is None and self._mask & LIVE:
+        if self._net is None and self._mask & LIVE:
             return  # a read ends an assertion of the general kind
         self._fifo_way = core.fifo.mode != BYPASS
         if self._fifo_way:
