@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -27,6 +27,7 @@ RESULT_FORMAT = "navtwin-simulation-1"
 LARGEST_RATE_HZ = 100_000
 SLOWEST_HZ = Fraction(1, 3600)
 LONGEST_LEVER_M = 100.0
+MOST_STEPS_TOLD = 1000
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,6 +149,17 @@ def _about(asked: Asked, request: Request, drive: Drive) -> dict[str, Any]:
         "samples": drive.samples,
         "gnss_epochs": drive.epochs,
         "duration_s": drive.duration_ns / 1e9,
+        "joints": _joints(drive),
+    }
+
+
+def _joints(drive: Drive) -> dict[str, Any]:
+    """Where the path's acceleration and rates step, as the numeric form does by definition."""
+    found = drive.joints()
+    return {
+        "steps": [asdict(step) for step in found.steps[:MOST_STEPS_TOLD]],
+        "number_of_steps": len(found.steps),
+        "largest_jerk_mps3": found.largest_jerk_mps3,
     }
 
 
@@ -156,6 +168,12 @@ def _tell(about: dict[str, Any], done: Simulated, json_file: str | None) -> None
     console = standard_error() if json_file == "-" else standard_output()
     rate = number(done.samples_per_s)
     console.print(f"{done.samples:,} samples in {number(done.wall_s)} s: {rate} a second", soft_wrap=True)
+    steps = about["joints"]["number_of_steps"]
+    if steps:
+        kinds = ", ".join(sorted({step["what"] for step in about["joints"]["steps"]}))
+        console.print(
+            f"the path steps at {steps} joints ({kinds}); blend_s makes them smooth", soft_wrap=True
+        )
     if files:
         console.print(f"written: {'  '.join(files)}", soft_wrap=True)
     if json_file is None:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from boards.chips.world import GnssEpoch
 from host.sim.scenario.schema import Scenario
 from host.sim.simulated import SimulatedVehicle
+from host.sim.trajectory.joints import Joints, examine
 from host.sim.trajectory.kinematics import FORCE, OMEGA_DOT, OMEGA_IB
 from host.simulate.instants import NS, count_within, instants
 
@@ -80,6 +81,10 @@ class Drive:
     def samples(self) -> int:
         """How many samples it has: at time 0 too when they are instants."""
         return self._intervals + (self.request.convention is Convention.INSTANT)
+
+    def joints(self) -> Joints:
+        """How smooth the path is."""
+        return examine(self._vehicle.motion.channels)
 
     @property
     def start_gps_ns(self) -> int:

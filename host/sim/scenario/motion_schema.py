@@ -15,16 +15,18 @@
 | turn-rate-ramp | 10 | turn rate from `from_dps` to `to_dps` on a line |
 
 Every kind takes `duration_s`, and `pitch_to_deg` and `roll_to_deg`: new angles, reached smoothly at the
-segment's end. Turning kinds take `speed_to_mps`: a new speed, reached likewise.
+segment's end; or `pitch_rate_dps` and `roll_rate_dps`: how fast they change, by rate · duration in all.
+Turning kinds take `speed_to_mps`: a new speed, reached likewise. Composites: `composite_schema`.
 """
 
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
+from host.sim.scenario.composite_schema import CompositeModel
 from host.sim.schema import NotNegative, Positive, Table
 from host.sim.trajectory.piece import Piece, constant, ramp, wave
 from host.sim.trajectory.rates import blended, document_turn, trapezoid
@@ -33,13 +35,25 @@ from host.sim.trajectory.segments import SegmentRates
 DEG = math.pi / 180.0
 STANDSTILL_MPS = 1e-6
 
+ANGLE_BLEND_S = 0.5
+
 Angle = Annotated[float, Field(ge=-89.0, le=89.0)]
+AngleRate = Annotated[float, Field(ge=-2000.0, le=2000.0)]
 
 
 class _Segment(Table):
     duration_s: Positive = Field(le=1e6, examples=[20.0])
     pitch_to_deg: Angle | None = Field(default=None, examples=[4.0])
     roll_to_deg: Angle | None = Field(default=None, examples=[2.0])
+    pitch_rate_dps: AngleRate | None = Field(default=None, examples=[0.5])
+    roll_rate_dps: AngleRate | None = Field(default=None, examples=[-1.0])
+
+    @model_validator(mode="after")
+    def _one_way_to_an_angle(self) -> Self:
+        for name in ("pitch", "roll"):
+            if getattr(self, f"{name}_to_deg") is not None and getattr(self, f"{name}_rate_dps") is not None:
+                raise ValueError(f"{name}_to_deg and {name}_rate_dps exclude each other; keep one")
+        return self
 
     def _rates(
         self,
@@ -53,7 +67,19 @@ class _Segment(Table):
             end_speed,
             None if self.pitch_to_deg is None else self.pitch_to_deg * DEG,
             None if self.roll_to_deg is None else self.roll_to_deg * DEG,
+            self._at_rate(self.pitch_rate_dps),
+            self._at_rate(self.roll_rate_dps),
         )
+
+    def _at_rate(self, rate_dps: float | None) -> list[Piece]:
+        """The course of an angle that changes by rate · duration, its rate rising and falling smoothly."""
+        if not rate_dps:
+            return []
+        course, value = [], 0.0
+        for part in blended(constant(self.duration_s, rate_dps * DEG), ANGLE_BLEND_S):
+            course.append(part.integral(value))
+            value = course[-1].value(part.duration_s)
+        return course
 
     def _speed_change(self, change: float, blend_s: float) -> list[Piece]:
         if blend_s > 0.0:
@@ -215,4 +241,4 @@ SegmentModel = (
     | Weave
     | TurnRateRamp
 )
-AnySegment = Annotated[SegmentModel, Field(discriminator="kind")]
+AnySegment = Annotated[SegmentModel | CompositeModel, Field(discriminator="kind")]

@@ -43,6 +43,7 @@ class Motion:
         """`origin` = latitude, longitude in rad, height in m at time 0; `blend_s` as in `Segment.rates`."""
         disturbance = disturbance or Disturbance()
         channels, self.end_ns = build_channels(segments, initial, blend_s)
+        self.channels = channels
         self.tables: MotionTables = compile_tables(channels, disturbance)
         self._starts = [np.array(origin, dtype=np.float64)]
         self._chunks: OrderedDict[int, NDArray[np.float64]] = OrderedDict()

@@ -46,6 +46,16 @@ class Piece:
         polynomial[0] = start_value - (cosine[0] if cosine else 0.0)
         return Piece(self.duration_s, tuple(polynomial), sine, cosine, self.omega)
 
+    def derivative(self) -> Piece:
+        """The piece that tells how fast this one changes."""
+        polynomial = tuple((k + 1) * p for k, p in enumerate(self.polynomial[1:])) or (0.0,)
+        terms = max(len(self.sine), len(self.cosine))
+        s = [*self.sine, *[0.0] * (terms + 1 - len(self.sine))]
+        c = [*self.cosine, *[0.0] * (terms + 1 - len(self.cosine))]
+        sine = tuple((k + 1) * s[k + 1] - self.omega * c[k] for k in range(terms))
+        cosine = tuple((k + 1) * c[k + 1] + self.omega * s[k] for k in range(terms))
+        return Piece(self.duration_s, polynomial, sine, cosine, self.omega)
+
     def _integrated_waves(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """(A, B) with d/dτ (A sin ωτ + B cos ωτ) = s sin ωτ + c cos ωτ, from the highest power down."""
         terms = max(len(self.sine), len(self.cosine))

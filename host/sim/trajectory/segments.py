@@ -27,6 +27,9 @@ class SegmentRates:
     """Set when the end speed is given and not only the integral of the acceleration, m/s."""
     end_pitch: float | None = None
     end_roll: float | None = None
+    pitch_course: list[Piece] = field(default_factory=list)
+    """Instead of `end_pitch`: the pitch against that of the beginning, rad, over the whole segment."""
+    roll_course: list[Piece] = field(default_factory=list)
 
 
 class Segment(Protocol):
@@ -38,7 +41,7 @@ class Segment(Protocol):
         ...
 
     def rates(self, speed: float, blend_s: float) -> SegmentRates:
-        """What it does when it starts at `speed` m/s."""
+        """What it does when it starts at `speed` m/s. ValueError when it cannot."""
         ...
 
 
@@ -77,6 +80,12 @@ class ChannelPieces:
         self._append(start_ns, [smooth_step(duration_s, value, target)])
         return target
 
+    def follow(self, start_ns: int, course: list[Piece], value: float) -> float:
+        """Append a course that is given against `value` and return the value that it ends with."""
+        pieces = [piece.plus((value,)) for piece in course]
+        self._append(start_ns, pieces)
+        return pieces[-1].value(pieces[-1].duration_s)
+
     def _append(self, start_ns: int, pieces: list[Piece]) -> None:
         elapsed_s = 0.0
         for piece in pieces:
@@ -92,8 +101,11 @@ def build_channels(
     channels = {name: ChannelPieces() for name in CHANNELS}
     state = initial
     start_ns = 0
-    for segment in segments:
-        state = _append_segment(channels, segment, state, start_ns, blend_s)
+    for number, segment in enumerate(segments, start=1):
+        try:
+            state = _append_segment(channels, segment, state, start_ns, blend_s)
+        except ValueError as error:
+            raise ValueError(f"segment[{number}]: {error}") from None
         start_ns += round(segment.duration_s * NS)
     for name in CHANNELS:
         channels[name].lead(start_ns, None, getattr(state, name), 1.0)
@@ -109,6 +121,20 @@ def _append_segment(
     return MotionState(
         speed=speed if rates.end_speed is None else rates.end_speed,
         yaw=channels["yaw"].integrate(start_ns, rates.turn_rate, state.yaw, duration),
-        pitch=channels["pitch"].lead(start_ns, rates.end_pitch, state.pitch, duration),
-        roll=channels["roll"].lead(start_ns, rates.end_roll, state.roll, duration),
+        pitch=_angle(channels["pitch"], start_ns, rates.pitch_course, rates.end_pitch, state.pitch, duration),
+        roll=_angle(channels["roll"], start_ns, rates.roll_course, rates.end_roll, state.roll, duration),
     )
+
+
+def _angle(
+    channel: ChannelPieces,
+    start_ns: int,
+    course: list[Piece],
+    target: float | None,
+    value: float,
+    duration_s: float,
+) -> float:
+    """Append what a segment does to pitch or roll and return the angle that it ends with."""
+    if course:
+        return channel.follow(start_ns, course, value)
+    return channel.lead(start_ns, target, value, duration_s)
