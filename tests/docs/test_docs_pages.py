@@ -12,6 +12,7 @@ from host.run.faults import KINDS
 from host.sim.errors.schema import AccelerometerErrors, GyroErrors, Temperature
 from host.sim.gnss.faults import GNSS_FAULT_KINDS
 from host.sim.gnss.settings import GnssSettings
+from host.sim.scenario.composite_schema import CompositeModel
 from host.sim.scenario.motion_schema import SegmentModel
 from host.sim.scenario.schema import (
     Fault,
@@ -179,12 +180,15 @@ def test_every_key_at_the_top_is_told():
 
 def test_every_kind_of_segment_and_its_keys_are_told():
     told = keys(section(text("docs/scenarios.md"), "Motion"))
-    common = {"kind", "duration_s", "pitch_to_deg", "roll_to_deg"}
+    common = {"kind", "duration_s", "pitch_to_deg", "roll_to_deg", "pitch_rate_dps", "roll_rate_dps"}
     for model in SegmentModel.__args__:
         for kind in model.model_fields["kind"].annotation.__args__:
             further = set(re.findall(r"`([a-z0-9_]+)`", told[kind][1]))
             assert further == fields(model) - common, kind
     assert common <= set(told)
+    for composite in CompositeModel.__args__:
+        (kind,) = composite.model_fields["kind"].annotation.__args__
+        assert set(re.findall(r"`([a-z0-9_]+)`", told[kind][1])) == fields(composite) - {"kind"}, kind
 
 
 def test_every_fault_is_told():
