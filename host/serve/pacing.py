@@ -156,11 +156,11 @@ class PacedRun:
         """Wait for the end of the next slice, or work it off when that has come."""
         number = self._slices + 1
         due_ns = self._due_ns(number)
-        early_ns = due_ns - self._clock_ns()
-        if early_ns > 0:
-            self._outside.wait(early_ns / SECOND)
-            if self.paused or self._stopped or number != self._slices + 1 or self._clock_ns() < due_ns:
-                return
+        self._outside.wait(max(0, due_ns - self._clock_ns()) / SECOND)
+        if self.paused or self._stopped or due_ns != self._due_ns(self._slices + 1):
+            return
+        if self._clock_ns() < due_ns:
+            return
         self._slices = number
         self._work_off(min(max(self._virtual_ns(number), self.session.now_ns), end_ns))
         late_ns = self._clock_ns() - due_ns
