@@ -131,7 +131,9 @@ class CaptureSource:
             self.pace.jump(self._now_s)
 
     def _tell(self, view: MonitorView) -> None:
-        length = "" if self.length_s is None else f" of {duration(self.length_s - self._origin_ns / 1e9)}"
+        length = ""
+        if self.length_s is not None:
+            length = f" of {duration(max(self.length_s - self._origin_ns / 1e9, self._now_s))}"
         state = "seeking" if self._seek_s is not None else "end" if self._ended else self.pace.told()
         view.source = f"{state}{length}"
         view.source_style = "yellow" if self._ended or self.pace.paused else "green"

@@ -17,6 +17,8 @@ BEFORE_A_GUESS = 600
 """Bytes without a frame, the longest of which is 262, after which a receiver is thought of."""
 PIECE = 256
 """Bytes given to the parser at a time; half its smallest ring."""
+PAUSE_NS = 40_000_000
+"""Between two epochs; a computer's own scheduling makes shorter ones."""
 FIX_QUALITIES = {2: "DGNSS", 4: "RTK fixed", 5: "RTK float", 6: "dead reckoning"}
 FIX_TYPES = {1: "no fix", 2: "2D", 3: "3D"}
 
@@ -28,6 +30,8 @@ class Listener:
         self._decoder = decoder
         self._receiver: Receiver | None = None
         self._early = bytearray()
+        self.baud = 9600
+        """Of the line, as far as it is known: tells pauses between bytes from long bursts."""
 
     @property
     def receiver(self) -> Receiver | None:
@@ -52,7 +56,7 @@ class Listener:
             self._early += data
             if len(self._early) < BEFORE_A_GUESS:
                 return messages
-            self._receiver = Receiver()
+            self._receiver = Receiver(self.baud)
             data = bytes(self._early)
             self._early.clear()
         return messages + self._receiver.feed(data, at_s)
@@ -61,8 +65,8 @@ class Listener:
 class Receiver:
     """A receiver on a wire of its own."""
 
-    def __init__(self) -> None:
-        self._stream = ReceiverStream()
+    def __init__(self, baud: int) -> None:
+        self._stream = ReceiverStream(baud=baud, gap_ns=PAUSE_NS)
         self._received = 0
         self.fix_name: str | None = None
 

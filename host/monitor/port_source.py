@@ -8,6 +8,7 @@ understood.
 from __future__ import annotations
 
 import time
+from collections import deque
 from threading import Lock
 
 from hal.live.port import PortError
@@ -18,7 +19,6 @@ from host.record.errors import UserError
 RATES = (230_400, 115_200, 9600, 38_400, 460_800, 921_600, 57_600, 19_200, 4800)
 """In the order in which they are tried: the boards' own, then those of receivers."""
 BUFFER_BYTES = 1 << 20
-PIECE = 4096
 PATIENCE_S = 2.5
 """A receiver speaks once a second; so long without a word that is understood, and the rate is doubted."""
 DOUBTFUL_BYTES = 300
@@ -35,15 +35,16 @@ class PortSource:
         self.title = url
         self.dropped = 0
         """Bytes that came too fast to be looked at."""
-        self._buffer = bytearray()
+        self._pieces: deque[tuple[float, bytes]] = deque()
+        self._waiting = 0
         self._lock = Lock()
         self._fixed = baud is not None
         self._rate = 0
+        self._began = time.monotonic()
         try:
             self._link = SerialLink(url, baud or RATES[0], self._receive)
         except PortError as error:
             raise UserError(str(error)) from None
-        self._began = time.monotonic()
         self._understood = 0
         self._understood_at = self._heard_at = 0.0
         self._bytes_since = 0
@@ -61,10 +62,11 @@ class PortSource:
     def pump(self, view: MonitorView, budget_s: float, until_s: float = float("inf")) -> None:
         """Look at what has come, in pieces, as long as there is time."""
         deadline = time.monotonic() + budget_s
+        view.listener.baud = self._link.baud
         while piece := self._take():
-            self._heard_at = self.now_s
-            self._bytes_since += len(piece)
-            view.feed(piece, self._heard_at)
+            self._heard_at, data = piece
+            self._bytes_since += len(data)
+            view.feed(data, self._heard_at)
             if time.monotonic() > deadline:
                 break
         view.time_passes(self.now_s)
@@ -83,16 +85,20 @@ class PortSource:
     def _receive(self, data: bytes) -> None:
         """From the link's thread."""
         with self._lock:
-            self._buffer += data
-            excess = len(self._buffer) - BUFFER_BYTES
-            if excess > 0:
-                self.dropped += excess
-                del self._buffer[:excess]
+            self._pieces.append((self.now_s, data))
+            self._waiting += len(data)
+            while self._waiting > BUFFER_BYTES:
+                _, lost = self._pieces.popleft()
+                self._waiting -= len(lost)
+                self.dropped += len(lost)
 
-    def _take(self) -> bytes:
+    def _take(self) -> tuple[float, bytes] | None:
+        """When it came, and what."""
         with self._lock:
-            piece = bytes(self._buffer[:PIECE])
-            del self._buffer[:PIECE]
+            if not self._pieces:
+                return None
+            piece = self._pieces.popleft()
+            self._waiting -= len(piece[1])
         return piece
 
     def _doubt_rate(self, view: MonitorView) -> None:

@@ -29,9 +29,9 @@ def fix_line(state: BoardState) -> Text:
     style = "bold green" if gnss.flags & epoch.HAS_POSITION else "bold red"
     told = f" {gnss.satellites} used"
     if gnss.flags & epoch.HAS_ACCURACY:
-        told += f" ±{number(gnss.h_acc_mm / 1000, 1)} m"
+        told += f" ±{number(gnss.h_acc_mm / 1000, 1)}m"
     if gnss.hdop_centi:
-        told += f" HDOP {number(gnss.hdop_centi / 100, 2)}"
+        told += f" HDOP {number(gnss.hdop_centi / 100, 1)}"
     return Text.assemble((state.fix, style), told, no_wrap=True)
 
 

@@ -67,7 +67,9 @@ class MonitorView:
         self.take(self.listener.feed(data, at_s), at_s)
 
     def time_passes(self, at_s: float) -> None:
-        """Nothing came until `at_s`."""
+        """Nothing came until `at_s`: a silence ends a receiver's burst."""
+        if self.listener.receiver is not None:
+            self.take(self.listener.feed(b"", at_s), at_s)
         self.state.at_s = max(self.state.at_s, at_s)
         self.link.note(at_s)
 
