@@ -63,8 +63,8 @@ class Bmi160OnDesk:
             return Poll(alive=False)
         sample, now = self._convert(chip.raw)
         if self._last is None:
-            self._last = now
-            return Poll([sample])
+            self._last = now  # what the registers hold may be of before the ranges were set
+            return Poll()
         ticks = self._ticks_per_sample
         passed = ((now // ticks) - (self._last // ticks)) % ((SENSORTIME_MASK + 1) // ticks)
         if passed == 0:

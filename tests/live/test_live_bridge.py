@@ -258,7 +258,7 @@ BIT = some.one_of(some.sampled_from((0, 1)), some.sampled_from((0, 1)), BYTE)
 def test_i2c_makes_of_any_reply_bytes_or_a_bus_error(replies: bytes) -> None:
     """S addr+R, one byte, P is 02 10 d1 04 07 03: the documents' meaning of its six replies."""
     session = AnsweringSession(bytes.fromhex("02 10 d1 04 07 03"), replies)
-    with mock.patch("hal.live.bus_pirate_buses.BridgeSession", lambda *_settings: session):
+    with mock.patch("hal.live.bus_pirate_buses.BridgeSession", return_value=session):
         bus = BusPirateI2c(LiveCpu(), "test")
     outcome: bytes | ErrorKind
     try:
