@@ -1,6 +1,6 @@
 """Drivers from PyPI, unmodified, on the chip's I²C face: their bus calls go to an emulated bus.
 
-Each is skipped where it is not installed: BMI160-i2c (with smbus2), micropython-bmi160.
+Each is skipped where it is not installed: BMI160-i2c (with smbus2), micropython-bmi160, circuitpython-bmi160.
 """
 
 from __future__ import annotations
@@ -177,3 +177,65 @@ def test_micropython_driver_sets_rates_and_modes(micropython_bmi160: tuple[Any, 
     driver.gyro_power_mode = module.GYRO_POWER_SUSPEND
     assert driver._power_mode == 0x10
     assert driver.gyro_power_mode == "GYRO_POWER_SUSPEND"
+
+
+class BusioI2c:
+    """busio.I2C as far as adafruit_bus_device uses it."""
+
+    def __init__(self, bench: I2cBench) -> None:
+        self._bench = bench
+
+    def try_lock(self) -> bool:
+        """Nobody else is there."""
+        return True
+
+    def unlock(self) -> None:
+        """The end of a `with`."""
+
+    def writeto(self, address: int, buffer: bytes, *, start: int = 0, end: int | None = None) -> None:
+        """One write with a stop."""
+        self._bench.bus.transaction(address, bytes(buffer[start : len(buffer) if end is None else end]))
+
+    def writeto_then_readfrom(
+        self,
+        address: int,
+        out_buffer: bytes,
+        in_buffer: bytearray,
+        *,
+        out_start: int = 0,
+        out_end: int | None = None,
+        in_start: int = 0,
+        in_end: int | None = None,
+    ) -> None:
+        """A write, and a read behind a repeated start."""
+        end = len(in_buffer) if in_end is None else in_end
+        write = bytes(out_buffer[out_start : len(out_buffer) if out_end is None else out_end])
+        in_buffer[in_start:end] = self._bench.bus.transaction(address, write, end - in_start)
+
+
+@pytest.fixture
+def circuitpython_bmi160(monkeypatch: pytest.MonkeyPatch) -> tuple[Any, Any, I2cBench]:
+    """(module, driver, bench) of circuitpython-bmi160."""
+    interpreter = ModuleType("micropython")
+    interpreter.const = lambda value: value  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, "micropython", interpreter)
+    pytest.importorskip("adafruit_bus_device")
+    pytest.importorskip("adafruit_register")
+    module = pytest.importorskip("bmi160")
+    bench = I2cBench(tumbling, sdo_high=True)
+    monkeypatch.setattr(module.time, "sleep", bench.sleep)
+    return module, module.BMI160(BusioI2c(bench)), bench
+
+
+def test_circuitpython_driver_starts_and_reads(circuitpython_bmi160: tuple[Any, Any, I2cBench]) -> None:
+    module, driver, bench = circuitpython_bmi160
+    bench.sleep(0.05)
+    assert (driver._acc_data_x, driver._acc_data_y, driver._acc_data_z) == (4096, 0, -16384)
+    assert driver.temperature == pytest.approx(30.0, abs=0.05)
+    assert (driver._device_id, driver._power_mode, driver._error_code) == (0xD1, 0x14, 0)
+    driver.acceleration_range = module.ACCEL_RANGE_16G
+    driver.gyro_range = module.GYRO_RANGE_500
+    bench.sleep(0.05)
+    assert (driver.acceleration_range, driver._acc_data_z) == ("ACCEL_RANGE_16G", -2048)
+    assert driver._gyro_data_x == round(100 * 65.6)
+    assert bench.unexpected == []
