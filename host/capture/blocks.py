@@ -28,8 +28,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from hal.emulated.can_bursts import HeardFrame
+from hal.emulated.can_bursts import HeardFrame, HeardSets
 from hal.emulated.i2c import I2cTransfer
 from hal.errors import ErrorKind
 
@@ -220,19 +221,25 @@ def can_records(heard: Sequence[HeardFrame]) -> bytes:
     """CAN records of frames, without their senders."""
     if not heard:
         return b""
+    if isinstance(heard, HeardSets):
+        return _full_records(heard.ends_ns, heard.identifiers(), np.frombuffer(heard.data, "S8"))
     frames, ends, _senders = zip(*heard, strict=True)
     identifiers, data, extended = zip(*frames, strict=True)
     if len(frames) >= WORTH_ARRAYS and set(map(len, data)) == {8}:
-        records = np.empty(len(frames), FULL_CAN_RECORD)
-        records["end_ns"] = ends
-        records["identifier"] = identifiers
-        records["identifier"][np.array(extended)] |= EXTENDED
-        records["n"] = 8
-        records["data"] = data
-        return records.tobytes()
+        return _full_records(ends, np.array(identifiers) | EXTENDED * np.array(extended), data)
     marked = [identifier | EXTENDED * long for identifier, long in zip(identifiers, extended, strict=True)]
     pack = CAN_HEAD.pack
     return b"".join([pack(end, i, len(d)) + d for end, i, d in zip(ends, marked, data, strict=True)])
+
+
+def _full_records(ends_ns: ArrayLike, identifiers: ArrayLike, data: ArrayLike) -> bytes:
+    """Records of frames of eight bytes, side by side."""
+    records = np.empty(np.shape(ends_ns), FULL_CAN_RECORD)
+    records["end_ns"] = ends_ns
+    records["identifier"] = identifiers
+    records["n"] = 8
+    records["data"] = data
+    return records.tobytes()
 
 
 def spi_topic(bus: str) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -61,10 +61,23 @@ def schema() -> bytes:
 class Fixes:
     """Thins the rows of one table and puts them into words."""
 
-    def __init__(self, topic: str) -> None:
-        self._columns = _SOLUTION if topic == "/solution" else _GNSS
-        self._least = NAVIGATING if topic == "/solution" else 1
+    def __init__(self, columns: Sequence[int], least: int) -> None:
+        """`columns`: state, latitude, longitude, height, and sigmas where there are any; rows with a state
+        below `least` have no position."""
+        self._columns = list(columns)
+        self._least = least
         self._slot = -1
+
+    @classmethod
+    def of(cls, topic: str) -> Fixes:
+        """Of a run's table."""
+        return cls(_SOLUTION, NAVIGATING) if topic == "/solution" else cls(_GNSS, 1)
+
+    @classmethod
+    def of_columns(cls, names: Sequence[str]) -> Fixes:
+        """Of another table with these columns."""
+        state = "fix" if "fix" in names else "t_s"
+        return cls([names.index(name) for name in (state, *_PLACE)], 1 if state == "fix" else 0)
 
     def texts(self, rows: NDArray[np.float64]) -> Iterator[tuple[int, bytes]]:
         """(time in ns, message) of the first good row of each second."""

@@ -95,7 +95,7 @@ class CaptureWriter:
         self._shown: list[tuple[int, str, Bmi160Traffic]] = []
         self._marks = self._raw_channel(MARK_TOPIC, "navtwin.Mark")
         self._tables = {topic: self._table_channel(topic, *table) for topic, table in TABLES.items()}
-        self._fixes = {topic: (self._fix_channel(place), Fixes(topic)) for topic, place in TOPICS.items()}
+        self._fixes = {topic: (self._fix_channel(place), Fixes.of(topic)) for topic, place in TOPICS.items()}
         self._control: int | None = None
         """Only of a run that is served."""
         self._events = self._channel(EVENTS[0], "json", EVENTS[1], "jsonschema", event_schema())

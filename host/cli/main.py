@@ -16,6 +16,7 @@ from host.cli.capture_command import app as capture_app
 from host.cli.diff_command import diff_command
 from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
 from host.cli.faults_command import faults_command
+from host.cli.import_command import import_command
 from host.cli.monitor_command import monitor_command
 from host.cli.new_command import app as new_app
 from host.cli.plain_text import PLAINLY
@@ -167,6 +168,7 @@ app.command("faults")(faults_command)
 app.add_typer(baseline_app, name="baseline")
 app.add_typer(capture_app, name="capture")
 app.add_typer(attach_app, name="attach")
+app.command("import")(import_command)
 app.command("replay")(replay_command)
 app.command("diff")(diff_command)
 app.command("serve", epilog=SERVE_EPILOG)(serve_command)

@@ -34,6 +34,15 @@ def replay_command(
             help="strict: all transactions must repeat; physical: chips feel the recorded quantities."
         ),
     ] = Mode.STRICT,
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUE",
+            help="physical: change one value of the board (board.pins.timepulse.wired=false), the profile"
+            " (profile.gnss_rate_hz=5) or the scenario (gnss.latency_s=0.1). May be repeated.",
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="DIR", help="physical: report, solution and capture of the replay."),
@@ -54,7 +63,7 @@ def replay_command(
         from host.cli.replay_run import Outputs, replay_physically, replay_strictly
         from host.replay.request import ReplayRequest
 
-        request = ReplayRequest(capture, board, profile, out)
+        request = ReplayRequest(capture, board, profile, out, overrides=tuple(changes or ()))
         outputs = Outputs(json, quiet)
         strict = mode is Mode.STRICT
         return replay_strictly(request, outputs) if strict else replay_physically(request, outputs)

@@ -19,6 +19,7 @@ from host.cli.terminal import (
     standard_output,
 )
 from host.record.atomic import write_whole
+from host.record.errors import UserError
 from host.replay.request import ReplayRequest
 from host.replay.strict import StrictResult, replay_strict
 
@@ -49,6 +50,10 @@ class Outputs:
 
 def replay_strictly(request: ReplayRequest, outputs: Outputs) -> int:
     """Replay, write, print; the exit code."""
+    if request.overrides:
+        raise UserError(
+            f"--set {request.overrides[0]}: a strict replay repeats what was; use --mode physical"
+        )
     request = replace(request, capture=capture_path(request.capture), notice=standard_error().print)
     with progress_bar(f"replay {request.capture.name}", outputs.quiet) as progress:
         result = replay_strict(replace(request, progress=progress))

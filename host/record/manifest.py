@@ -30,11 +30,16 @@ def build_manifest(
         "profile": profile,
         "seed": seed,
         "overrides": list(overrides),
-        "versions": {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}},
+        "versions": versions(),
         "machine": platform.machine(),
         "board_text": board_text,
         "scenario_text": scenario_text,
     }
+
+
+def versions() -> dict[str, str]:
+    """Of Python and of the packages that figures depend on."""
+    return {"python": platform.python_version(), **{name: _version(name) for name in PACKAGES}}
 
 
 def _version(package: str) -> str:

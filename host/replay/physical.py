@@ -7,21 +7,22 @@ added. The result is scored against the recorded truth, or else against the reco
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from boards.places import board_folder
 from host.capture.reader import CaptureReader
+from host.importers.request import IMPORT_FORMAT
 from host.record.errors import UserError
 from host.record.manifest import build_manifest
 from host.record.result import RunRequest, RunResult
-from host.replay.recorded_world import CaptureContent, RecordedVehicle, RecordedWorld
+from host.replay.imported import ImportedContent, imported_manifest
+from host.replay.recorded_world import CaptureContent, RecordedContent, RecordedVehicle, RecordedWorld
 from host.replay.request import REPLAY_FORMAT, ReplayRequest
 from host.replay.setting import recorded_board, recorded_setup
 from host.run.runner import run_in_world
 from host.run.setup import BOARD_PREFIX, PROFILE_PREFIX, Setup
-
-AGAINST_TRUTH, AGAINST_SOLUTION = "truth", "recorded solution"
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,32 +48,37 @@ def replay_physical(request: ReplayRequest) -> PhysicalResult:
     """Replay a capture. Raises UserError for whatever the user can mend."""
     reader = CaptureReader(request.capture)
     next(iter(reader.windows()), None)
-    setup = recorded_setup(reader.manifest, request.board, request.profile)
-    board = recorded_board(reader.manifest)
-    content = CaptureContent(reader, board)
-    duration_ns = reader.end_ns or content.end_ns
-    scenario = setup.scenario.model_copy(update={"expect": {}, "duration_s": duration_ns / 1e9})
-    vehicle = RecordedVehicle(scenario, board, content, duration_ns)
+    content: RecordedContent
+    if reader.manifest.get("format") == IMPORT_FORMAT:
+        imported = ImportedContent(reader)
+        manifest = imported_manifest(imported, reader, request)
+        content, rules = imported, "recording"
+    else:
+        manifest = {**reader.manifest, "overrides": [*reader.manifest["overrides"], *request.overrides]}
+        content, rules = CaptureContent(reader, recorded_board(reader.manifest)), "simulated"
+    setup = recorded_setup(manifest, request.board, request.profile)
+    duration_ns = reader.end_ns if reader.end_ns is not None and rules == "simulated" else content.end_ns
+    changes = {"expect": {}, "duration_s": duration_ns / 1e9, "kind": rules}
+    scenario = setup.scenario.model_copy(update=changes)
+    vehicle = RecordedVehicle(scenario, content, duration_ns)
     if len(vehicle.road) < 2:
         raise UserError(
             f"capture {request.capture}: it holds no navigation solution, so nothing could be scored"
         )
     run = RunRequest(
-        board=request.board or str(reader.manifest["board"]),
+        board=request.board or str(manifest["board"]),
         profile=setup.profile_name,
-        seed=int(reader.manifest["seed"]),
+        seed=int(manifest["seed"]),
         out_dir=request.out_dir,
         progress=request.progress,
         notice=request.notice,
     )
     world = RecordedWorld(scenario, vehicle)
-    result = run_in_world(run, setup, world, _manifest(reader, setup, run))
-    against = AGAINST_TRUTH if vehicle.road.from_truth else AGAINST_SOLUTION
-    return PhysicalResult(str(request.capture), against, result)
+    result = run_in_world(run, setup, world, _manifest(manifest, setup, run))
+    return PhysicalResult(str(request.capture), vehicle.road.known_from, result)
 
 
-def _manifest(reader: CaptureReader, setup: Setup, run: RunRequest) -> dict[str, Any]:
-    recorded = reader.manifest
+def _manifest(recorded: Mapping[str, Any], setup: Setup, run: RunRequest) -> dict[str, Any]:
     dropped: tuple[str, ...] = ()
     if setup.profile_name != recorded["profile"]:
         dropped += (PROFILE_PREFIX,)

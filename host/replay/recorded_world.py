@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +28,9 @@ Array = NDArray[np.float64]
 LONGEST_EPOCH_STEP_S = 1.1
 """Epochs further apart than this are not interpolated between: there is no fix."""
 H_ACC_M, V_ACC_M, S_ACC_MPS = 3.0, 5.0, 0.1
-"""What a receiver of this kind claims under an open sky; captures hold no accuracies in their epochs."""
+"""What a receiver of this kind claims under an open sky, where epochs hold no accuracies."""
+CLAIMED = ("h_acc_m", "v_acc_m", "s_acc_mps", "latency_s", "geoid_separation_m")
+"""What only imported epochs may hold."""
 
 
 class RecordedEpochs:
@@ -52,11 +54,14 @@ class RecordedEpochs:
         self._rows[:, :2] = np.radians(self._rows[:, :2])
         missing = np.isnan(self._rows[:, 5])
         self._rows[missing, 5] = _climb(solutions, self._t[missing])
-        self._rows = np.nan_to_num(self._rows)
         settings = scenario.gnss
+        separation = 0.0 if scenario.place is None else scenario.place.geoid_separation_m
+        usual = (H_ACC_M, V_ACC_M, S_ACC_MPS, settings.latency_s, separation)
+        told = np.array([[row.get(name) for name in CLAIMED] for row in fixed], dtype=np.float64).reshape(
+            -1, 5
+        )
+        self._rows = np.hstack((np.nan_to_num(self._rows), np.where(np.isnan(told), usual, told)))
         self._start = scenario.start
-        self._latency_ns = round(settings.latency_s * NS)
-        self._geoid_separation = 0.0 if scenario.place is None else scenario.place.geoid_separation_m
         self._outages = list(outages)
         self._sky = SlowSky(
             scenario.start.gps_time_ns, settings.constellations, math.radians(settings.elevation_mask_deg)
@@ -65,7 +70,7 @@ class RecordedEpochs:
     def epoch(self, time_ns: int) -> GnssEpoch:
         """The recorded solution at `time_ns`."""
         state, fix = self._at(time_ns / NS)
-        lat, lon, height, vn, ve, vd = state
+        lat, lon, height, vn, ve, vd, h_acc, v_acc, s_acc, latency_s, separation = state
         sky = self._sky.above(time_ns, lat, lon, height, is_open=not held(self._outages, time_ns))
         return GnssEpoch(
             fix=fix,
@@ -75,23 +80,23 @@ class RecordedEpochs:
             latitude=lat,
             longitude=lon,
             height=height,
-            geoid_separation=self._geoid_separation,
+            geoid_separation=separation,
             velocity_ned=(vn, ve, vd),
-            h_acc=H_ACC_M,
-            v_acc=V_ACC_M,
-            s_acc=S_ACC_MPS,
+            h_acc=h_acc,
+            v_acc=v_acc,
+            s_acc=s_acc,
             pdop=sky.pdop,
             hdop=sky.hdop,
             vdop=sky.vdop,
             tdop=sky.tdop,
             satellites=sky.satellites,
-            latency_ns=max(1_000_000, self._latency_ns),
+            latency_ns=max(1_000_000, round(latency_s * NS)),
         )
 
     def _at(self, t: float) -> tuple[list[float], bool]:
         times = self._t
         if not len(times):
-            return [0.0] * 6, False
+            return [0.0] * 6 + [H_ACC_M, V_ACC_M, S_ACC_MPS, 0.0, 0.0], False
         k = int(np.searchsorted(times, t))
         before, after = max(k - 1, 0), min(k, len(times) - 1)
         nearest = before if t - times[before] < times[after] - t else after
@@ -136,29 +141,22 @@ class FeltImu(RecordedImu):
 class RecordedVehicle:
     """Implements `host.sim.world.Vehicle` from a capture that has been read."""
 
-    def __init__(
-        self, scenario: Scenario, recorded_board: Board, capture: CaptureContent, duration_ns: int
-    ) -> None:
+    def __init__(self, scenario: Scenario, capture: RecordedContent, duration_ns: int) -> None:
         self.duration_ns = duration_ns
         self.outages: tuple[Window, ...] = tuple(window(o.start_s, o.duration_s) for o in scenario.outage)
-        self.road = Road(capture.rows["/solution"])
+        self.road = capture.road
         self._scenario = scenario
         self._capture = capture
-        sensors = [chip for chip in recorded_board.chips.values() if chip.world == "imu"]
-        self._road_lever_arm = np.array(sensors[0].lever_arm_m)
-        """The road is that of the recorded sensor."""
-        self._mountings = {refdes: np.array(chip.mounting) for refdes, chip in recorded_board.chips.items()}
 
     def imu(self, name: str, mounting: Array, lever_arm: Array, preset: str | None = None) -> FeltImu:
         """The recorded sensor of that designator (or the only one), turned into the chip's axes."""
         samples = self._capture.samples
         source = name if name in samples else next(iter(samples))
-        return FeltImu(samples[source], self._mountings[source], mounting)
+        return FeltImu(samples[source], self._capture.mountings[source], mounting)
 
     def gnss(self, name: str, lever_arm: Array) -> RecordedEpochs:
         """The recorded receiver."""
-        rows = self._capture.rows
-        return RecordedEpochs(rows["/gnss"], rows["/solution"], self._scenario, self.outages)
+        return RecordedEpochs(self._capture.epochs, self._capture.climbs, self._scenario, self.outages)
 
     def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
         """Of the navigation point; the sensor's true bias is not known."""
@@ -166,7 +164,7 @@ class RecordedVehicle:
 
     def antenna_truth(self, times_ns: NDArray[np.int64], lever_arm: Array) -> TruthBatch:
         """Of a point of the body."""
-        return self.road.truth(times_ns, lever_arm - self._road_lever_arm)
+        return self.road.truth(times_ns, lever_arm - self._capture.road_lever_arm)
 
 
 class RecordedWorld(World):
@@ -182,12 +180,29 @@ class RecordedWorld(World):
         return self
 
 
+class RecordedContent(Protocol):
+    """What a physical replay needs of a capture."""
+
+    samples: dict[str, InertialSamples]
+    """Of each inertial sensor."""
+    mountings: dict[str, Array]
+    """C_b_s of each."""
+    road: Road
+    road_lever_arm: Array
+    """Of the point whose road it is, from the origin of the body, m."""
+    epochs: list[dict[str, Any]]
+    """Rows of /gnss."""
+    climbs: list[dict[str, Any]]
+    """Rows of /solution, for the vertical velocity that epochs may lack."""
+    end_ns: int
+
+
 class CaptureContent:
-    """What a physical replay needs of a capture, in memory: some 60 bytes a sample."""
+    """Implements `RecordedContent` of a run's capture, in memory: some 60 bytes a sample."""
 
     def __init__(self, reader: CaptureReader, recorded_board: Board) -> None:
         """Reads all of it. Raises UserError when there is no inertial sensor that can be decoded."""
-        self.rows: dict[str, list[dict[str, Any]]] = {"/solution": [], "/gnss": []}
+        rows: dict[str, list[dict[str, Any]]] = {"/solution": [], "/gnss": []}
         self.end_ns = 0
         traffic = {
             f"{chip.bus}.{chip.name or refdes}": (refdes, DECODERS[chip.part]())
@@ -199,8 +214,14 @@ class CaptureContent:
                 self.end_ns = max(self.end_ns, record.end_ns)
                 if record.bus in traffic:
                     traffic[record.bus][1].add((record,))
-            elif isinstance(record, Decoded) and record.topic in self.rows:
-                self.rows[record.topic].append(record.value)
+            elif isinstance(record, Decoded) and record.topic in rows:
+                rows[record.topic].append(record.value)
+        self.epochs, self.climbs = rows["/gnss"], rows["/solution"]
+        self.road = Road(self.climbs)
+        sensors = [chip for chip in recorded_board.chips.values() if chip.world == "imu"]
+        self.road_lever_arm = np.array(sensors[0].lever_arm_m)
+        """The road is that of the recorded sensor."""
+        self.mountings = {refdes: np.array(chip.mounting) for refdes, chip in recorded_board.chips.items()}
         self.samples = {refdes: decoder.samples() for refdes, decoder in traffic.values()}
         self.samples = {refdes: found for refdes, found in self.samples.items() if len(found.times_ns) > 1}
         if not self.samples:

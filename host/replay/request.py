@@ -22,3 +22,5 @@ class ReplayRequest:
     """Of a physical replay: where its own capture and report go; None: nothing is written."""
     progress: Progress | None = None
     notice: Callable[[str], None] | None = None
+    overrides: tuple[str, ...] = ()
+    """Of a physical replay: further changes, as given to --set."""

@@ -20,6 +20,7 @@ from host.sim.truth import TruthBatch, unknown_bias
 
 Array = NDArray[np.float64]
 NS = 1_000_000_000
+AGAINST_TRUTH, AGAINST_SOLUTION, AGAINST_RECEIVER = "truth", "recorded solution", "recorded receiver"
 LONGEST_STEP_S = 2.0
 """Rows further apart than this are not interpolated between."""
 POSITION, VELOCITY = (
@@ -30,12 +31,14 @@ ANGLES = ("yaw_deg", "pitch_deg", "roll_deg")
 
 
 class Road:
-    """Motion of the navigation point from rows of /solution. `from_truth`: whether the capture knows it."""
+    """Motion of the navigation point from rows of /solution, or of a table with the same columns."""
 
-    def __init__(self, rows: Sequence[Mapping[str, Any]]) -> None:
+    def __init__(self, rows: Sequence[Mapping[str, Any]], known_from: str | None = None) -> None:
+        """`known_from`: what the rows are, when they are no solutions."""
         navigating = [row for row in rows if row["mode"] is not None and row["mode"] >= NAVIGATING]
         known = [row for row in navigating if row["error_north_m"] is not None]
-        self.from_truth = bool(known)
+        self.known_from = known_from or (AGAINST_TRUTH if known else AGAINST_SOLUTION)
+        """Whose motion it is."""
         used = known or navigating
         self._t = np.array([row["t_s"] for row in used], dtype=np.float64)
         place = np.array([[row[name] for name in POSITION] for row in used], dtype=np.float64).reshape(-1, 3)

@@ -15,6 +15,7 @@ which leaves the receiver's own jitter (9 ms RMS) in arrival − validity.
 from __future__ import annotations
 
 import zipfile
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -59,7 +60,7 @@ class Comma2k19:
     """(k, 4) Hamilton, scalar first."""
 
 
-_KEYS = (
+KEYS = (
     "imu_accel_t",
     "imu_accel",
     "imu_gyro_t",
@@ -78,17 +79,22 @@ def read_comma2k19(path: Path, calibrated_gyro: bool) -> Comma2k19:
     """Read the archive. ScenarioError when it is not a comma2k19 example."""
     try:
         with np.load(path, allow_pickle=False) as archive:
-            missing = [key for key in _KEYS if key not in archive.files]
+            missing = [key for key in KEYS if key not in archive.files]
             if missing:
                 raise ScenarioError(
                     f"{path}: not a comma2k19 example, it lacks {', '.join(missing)}; "
                     'for example file = "comma2k19/example_1.npz"'
                 )
-            data = {key: np.asarray(archive[key], dtype=np.float64) for key in _KEYS}
+            data = {key: np.asarray(archive[key], dtype=np.float64) for key in KEYS}
     except (OSError, ValueError, zipfile.BadZipFile) as error:
         if isinstance(error, ScenarioError):
             raise
         raise ScenarioError(f"{path}: cannot be read as a NumPy archive: {error}") from None
+    return drive_of(data, calibrated_gyro)
+
+
+def drive_of(data: Mapping[str, Array], calibrated_gyro: bool) -> Comma2k19:
+    """The drive in the arrays of an example."""
     gyro = data["imu_gyro_calibrated" if calibrated_gyro else "imu_gyro"]
     gnss = data["gnss"]
     utc_ms = 100 * np.round(gnss[:, 3] / 100.0).astype(np.int64)

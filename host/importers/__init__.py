@@ -1,0 +1,1 @@
+"""Import: recordings of other programs become captures, and what is wrong with them is told."""

@@ -1,0 +1,44 @@
+"""NumPy archives (.npz) of recordings: read whole, since they are minutes long."""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from host.importers.series import Floats
+from host.record.errors import UserError
+
+
+def arrays_of(
+    path: Path, keys: Mapping[str, int | None], optional: Sequence[str], kind: str
+) -> dict[str, Floats]:
+    """Arrays as float64. `keys`: needed ones with their number of columns (None: a plain row of numbers).
+
+    Raises UserError when the file is none, or lacks one, or one has another shape.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            names = getattr(archive, "files", None)
+            if names is None:
+                raise UserError(
+                    f"{path}: is a single array; {kind} is an archive (.npz) of {', '.join(keys)}"
+                )
+            missing = [key for key in keys if key not in names]
+            if missing:
+                has = ", ".join(names) or "nothing"
+                raise UserError(f"{path}: not {kind} arrays, it lacks {', '.join(missing)}; it has {has}")
+            wanted = [*keys, *(key for key in optional if key in names)]
+            data = {key: np.asarray(archive[key], dtype=np.float64) for key in wanted}
+    except (OSError, ValueError, TypeError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
+        raise UserError(f"{path}: cannot be read as a NumPy archive: {error}") from None
+    for key, width in keys.items():
+        shape = data[key].shape
+        if len(shape) != (1 if width is None else 2) or (width is not None and shape[1] != width):
+            raise UserError(
+                f"{path}: {key} has the shape {shape}; {kind} has (n{'' if width is None else f', {width}'})"
+            )
+    return data

@@ -1,0 +1,146 @@
+"""Physical replay of an imported capture: what it measured, and the setting that it lacks.
+
+An import has no board and no scenario. The board is named by the user; the scenario is made of the place and
+the time at which the recording begins. Virtual time begins with the first whole second of GPS time at which
+there are inertial samples (and a reference, where there is one before long), so that receivers' epochs keep
+their instants.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from array import array
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from boards.description import load_board
+from boards.places import board_folder
+from host.capture.inertial_samples import IMU, InertialSamples
+from host.capture.reader import CaptureReader
+from host.importers.time_base import utc_text
+from host.record.errors import UserError
+from host.record.manifest import build_manifest
+from host.record.run_data import NAVIGATING
+from host.replay.request import ReplayRequest
+from host.replay.road import AGAINST_RECEIVER, AGAINST_TRUTH, NS, Road
+
+Array = NDArray[np.float64]
+IMU_TOPIC = "/imu/"
+COLUMNS = (*IMU.columns, "temperature_degc")
+LATEST_START_S = 10.0
+"""Other streams that begin later than this behind the inertial samples are not waited for."""
+
+
+class ImportedContent:
+    """Implements `host.replay.recorded_world.RecordedContent`: some 70 bytes a sample in memory."""
+
+    def __init__(self, reader: CaptureReader) -> None:
+        """Reads all of it. Raises UserError when there are no inertial samples or no epochs."""
+        samples: dict[str, array[float]] = {}
+        rows: dict[str, list[dict[str, Any]]] = {"/gnss": [], "/truth": []}
+        for message in reader.messages():
+            if message.topic.startswith(IMU_TOPIC):
+                row = json.loads(message.data)
+                values = [math.nan if row[name] is None else row[name] for name in COLUMNS]
+                samples.setdefault(message.topic.removeprefix(IMU_TOPIC), array("d")).extend(values)
+            elif message.topic in rows:
+                rows[message.topic].append(json.loads(message.data))
+        tables = {name: np.array(flat).reshape(-1, len(COLUMNS)) for name, flat in samples.items()}
+        tables = {name: table for name, table in tables.items() if len(table) > 1}
+        self._check(reader, tables, rows["/gnss"])
+        first = next(iter(tables.values()))
+        self.start_s = _start_s(first[0, 0], rows)
+        """Of virtual time 0 on the capture's axis, a whole second."""
+        fixes = [row for row in rows["/gnss"] if row["fix"] and row["latitude_deg"] is not None]
+        self.first_fix = next((row for row in fixes if row["t_s"] >= self.start_s), fixes[-1])
+        self.epochs = self._shifted(rows["/gnss"])
+        self.climbs: list[dict[str, Any]] = []
+        self.samples = {name: _samples(table, self.start_s) for name, table in tables.items()}
+        self.mountings = {name: np.eye(3) for name in tables}
+        self.road_lever_arm = np.zeros(3)
+        truth = self._shifted(rows["/truth"])
+        if truth:
+            self.road = Road([_as_solution(row) for row in truth], AGAINST_TRUTH)
+        else:
+            known = [row for row in self.epochs if row["fix"] and row["height_m"] is not None]
+            self.road = Road([_as_solution(row) for row in known], AGAINST_RECEIVER)
+        ends = [float(first[-1, 0]) - self.start_s, self.epochs[-1]["t_s"] if self.epochs else 0.0]
+        if truth:
+            ends.append(truth[-1]["t_s"])
+        self.end_ns = math.floor(10.0 * min(ends)) * NS // 10
+        if self.end_ns < NS:
+            raise UserError(
+                f"capture {reader.path}: inertial samples and receiver have less than a second in common"
+            )
+
+    def _check(self, reader: CaptureReader, tables: dict[str, Array], epochs: list[dict[str, Any]]) -> None:
+        has_fix = any(row["fix"] and row["latitude_deg"] is not None for row in epochs)
+        if tables and has_fix:
+            return
+        no_samples = [] if tables else ["inertial samples"]
+        no_epochs = [] if has_fix else ["receiver epochs with a fix"]
+        lacking = " and ".join(no_samples + no_epochs)
+        raise UserError(
+            f"capture {reader.path}: it holds no {lacking}, so no board can be driven by it; navtwin capture"
+            " export gives what it holds"
+        )
+
+    def _shifted(self, rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+        return [{**row, "t_s": row["t_s"] - self.start_s} for row in rows if row["t_s"] >= self.start_s - 1.0]
+
+
+def _start_s(first_sample_s: float, rows: dict[str, list[dict[str, Any]]]) -> float:
+    firsts = [known[0]["t_s"] for known in rows.values() if known]
+    awaited = [first for first in firsts if first <= first_sample_s + LATEST_START_S]
+    return float(math.ceil(round(max(first_sample_s, *awaited), 6)) if awaited else math.ceil(first_sample_s))
+
+
+def _samples(table: Array, start_s: float) -> InertialSamples:
+    times_ns = np.rint((table[:, 0] - start_s) * NS).astype(np.int64)
+    warm = np.isfinite(table[:, 7])
+    return InertialSamples(times_ns, table[:, 4:7], np.radians(table[:, 1:4]), times_ns[warm], table[warm, 7])
+
+
+def _as_solution(row: dict[str, Any]) -> dict[str, Any]:
+    """With the columns that `Road` looks at; NaN for angles that nobody knows."""
+    unknown = {name: math.nan for name in ("v_north_mps", "v_east_mps", "v_down_mps") if row[name] is None}
+    angles = {name: math.nan for name in ("yaw_deg", "pitch_deg", "roll_deg") if row.get(name) is None}
+    return {**row, **unknown, **angles, "mode": NAVIGATING, "error_north_m": None}
+
+
+def imported_manifest(
+    content: ImportedContent, reader: CaptureReader, request: ReplayRequest
+) -> dict[str, Any]:
+    """The manifest that a run in this setting would have. Raises UserError when no board is named."""
+    if request.board is None:
+        raise UserError(
+            f"capture {request.capture}: it was imported and has no board; name one, for example"
+            f" navtwin replay {request.capture} --board car_mems --mode physical"
+        )
+    board = load_board(request.board)
+    text = (board_folder(request.board) / "board.toml").read_text(encoding="utf-8")
+    name = f"import-{reader.manifest.get('kind', 'recording')}"
+    profile = request.profile or board.default_profile
+    scenario = _scenario_text(content, reader.manifest.get("clock") or {})
+    return build_manifest(board.name, text, name, scenario, profile, 1, request.overrides)
+
+
+def _scenario_text(content: ImportedContent, clock: dict[str, Any]) -> str:
+    fix = content.first_fix
+    separation = fix.get("geoid_separation_m") or 0.0
+    lines = [
+        f"duration_s = {content.end_ns / NS}",
+        "[place]",
+        f"latitude_deg = {fix['latitude_deg']:.9f}",
+        f"longitude_deg = {(fix['longitude_deg'] + 180.0) % 360.0 - 180.0:.9f}",
+        f"height_m = {fix['height_m'] or 0.0:.3f}",
+        f"geoid_separation_m = {separation:.3f}",
+    ]
+    if clock.get("base") == "gps":
+        leaps = int(clock["leap_seconds"])
+        start_ns = int(clock["origin_ns"]) + round(content.start_s) * NS
+        lines += ["[start]", f'utc = "{utc_text(start_ns, leaps)}"', f"leap_seconds = {leaps}"]
+    return "\n".join(lines) + "\n"
