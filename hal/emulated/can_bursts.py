@@ -7,14 +7,22 @@ CRC and its stuff bits, is computed for all kept sets at once.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from itertools import chain
-from typing import TYPE_CHECKING, NamedTuple
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import chain, repeat
+from typing import TYPE_CHECKING, NamedTuple, overload
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hal.can import CanFrame, CanSet
-from hal.emulated.can_frame import INTERFRAME_BITS, LONGEST_FRAME_BITS, check_frame, frame_lengths
+from hal.emulated.can_frame import (
+    INTERFRAME_BITS,
+    LONGEST_FRAME_BITS,
+    WORTH_ARRAYS,
+    check_frame,
+    frame_lengths,
+    set_lengths,
+)
 from hal.emulated.virtual_time import SECOND
 
 if TYPE_CHECKING:
@@ -29,6 +37,41 @@ HeardFrame = tuple[CanFrame, int, str]
 
 Burst = tuple[int, "CanNode", Sequence[CanFrame]]
 """When the first frame of a set begins (ns), who sends it, and the set."""
+
+
+class HeardSets(Sequence[HeardFrame]):
+    """Frames of many sets that one node sent, column by column."""
+
+    def __init__(
+        self, identifiers: tuple[int, ...], data: bytes, ends_ns: NDArray[np.int64], bits: int, sender: str
+    ) -> None:
+        self.set_identifiers = identifiers
+        """Of every set."""
+        self.data = data
+        """Eight bytes a frame."""
+        self.ends_ns = ends_ns
+        self.bits = bits
+        """Of all frames, interframe spaces included."""
+        self.sender = sender
+
+    def identifiers(self) -> NDArray[np.int64]:
+        """Of every frame."""
+        return np.tile(np.array(self.set_identifiers), len(self.ends_ns) // len(self.set_identifiers))
+
+    def __len__(self) -> int:
+        return len(self.ends_ns)
+
+    def __iter__(self) -> Iterator[HeardFrame]:
+        sets = len(self.ends_ns) // len(self.set_identifiers)
+        frames = CanSet(self.set_identifiers * sets, self.data)
+        return zip(frames, self.ends_ns.tolist(), repeat(self.sender))
+
+    @overload
+    def __getitem__(self, index: int) -> HeardFrame: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[HeardFrame]: ...
+    def __getitem__(self, index: int | slice) -> HeardFrame | list[HeardFrame]:
+        return list(self)[index]
 
 
 class WorkedOut(NamedTuple):
@@ -85,6 +128,20 @@ class CanBursts:
         senders = [node for node, count in zip(nodes, counts, strict=True) for _ in range(count)]
         return WorkedOut(frames, senders, ends.tolist(), lengths)
 
+    def heard_sets(self, bursts: list[Burst]) -> HeardSets | None:
+        """Many sets of one node with one tuple of identifiers, worked out in arrays; None for others."""
+        begins, nodes, sets = zip(*bursts, strict=True)
+        node, first = nodes[0], sets[0]
+        if len(sets) * len(first) < WORTH_ARRAYS or nodes.count(node) < len(nodes):
+            return None
+        if any(type(one) is not CanSet or one.identifiers is not first.identifiers for one in sets):
+            return None
+        data = b"".join([one.data for one in sets])
+        bits = set_lengths(first.identifiers, data) + INTERFRAME_BITS
+        behind = np.cumsum(bits, axis=1, dtype=np.int64) - INTERFRAME_BITS
+        ends = np.array(begins)[:, np.newaxis] + behind * SECOND // self._bitrate
+        return HeardSets(first.identifiers, data, ends.ravel(), int(bits.sum()), node.name)
+
 
 def _check(frames: Iterable[CanFrame]) -> None:
     for frame in frames:
@@ -97,17 +154,25 @@ class LateCanListener:
     def __init__(self, bus: EmulatedCanBus) -> None:
         self._bus = bus
         self._heard: list[HeardFrame] = []
+        self._parts: list[Sequence[HeardFrame]] = [self._heard]
 
     def hear(self, frame: CanFrame, end_ns: int, sender: str) -> None:
         """From the bus: a frame that got through."""
         self._heard.append((frame, end_ns, sender))
 
-    def hear_all(self, heard: list[HeardFrame]) -> None:
+    def hear_all(self, heard: Sequence[HeardFrame]) -> None:
         """Several of them."""
-        self._heard += heard
+        self._heard = []
+        self._parts += [heard, self._heard]
+
+    def take_parts(self) -> list[Sequence[HeardFrame]]:
+        """Every frame that has ended by now, each given once; many of one kind may come as `HeardSets`."""
+        self._bus.catch_up()
+        parts = [part for part in self._parts if part]
+        self._heard = []
+        self._parts = [self._heard]
+        return parts
 
     def take(self) -> list[HeardFrame]:
-        """Every frame that has ended by now, each given once."""
-        self._bus.catch_up()
-        heard, self._heard = self._heard, []
-        return heard
+        """The same frame by frame."""
+        return list(chain.from_iterable(self.take_parts()))

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from hal.can import CanFrame
 from hal.emulated.alarm import Alarm
-from hal.emulated.can_bursts import MOST_KEPT, CanBursts, LateCanListener, WorkedOut
+from hal.emulated.can_bursts import MOST_KEPT, Burst, CanBursts, LateCanListener
 from hal.emulated.can_frame import INTERFRAME_BITS, arbitration_key, frame_bits
 from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
 
@@ -222,25 +222,24 @@ class EmulatedCanBus:
         """Settle the kept sets; of the last one, what has not ended becomes planned frames."""
         *over, last = self._bursts.take()
         if over:
-            ended = self._bursts.work_out(over)
-            if not self._listeners and len(self._nodes) == 1:
-                self._hear_all(ended)
-            else:
-                for frame, sender, end, length in zip(*ended, strict=True):
-                    self._get_through(sender, frame, end, length + INTERFRAME_BITS)
+            self._settle_bursts(over)
         self._run_start, node, frames = last
         self._run_bits = 0
         node.queue.extend([(frame, frame_bits(frame)) for frame in frames])
         self._add_all(node)
 
-    def _hear_all(self, ended: WorkedOut) -> None:
-        """Frames of the only node, which got through while only late listeners heard."""
-        self._frames += len(ended.frames)
-        self._busy_bits += sum(ended.lengths) + INTERFRAME_BITS * len(ended.frames)
-        names = [sender.name for sender in ended.senders]
-        heard = list(zip(ended.frames, ended.ends_ns, names, strict=True))
-        for late in self._late_listeners:
-            late.hear_all(heard)
+    def _settle_bursts(self, over: list[Burst]) -> None:
+        """Sets that have ended."""
+        alone = not self._listeners and len(self._nodes) == 1
+        heard = self._bursts.heard_sets(over) if alone else None
+        if heard is not None:
+            self._frames += len(heard)
+            self._busy_bits += heard.bits
+            for late in self._late_listeners:
+                late.hear_all(heard)
+            return
+        for frame, sender, end, length in zip(*self._bursts.work_out(over), strict=True):
+            self._get_through(sender, frame, end, length + INTERFRAME_BITS)
 
     def _instant(self, bits: int) -> int:
         return self._run_start + bits * SECOND // self.bitrate

@@ -135,20 +135,33 @@ def frame_lengths(frames: Sequence[CanFrame]) -> list[int]:
     identifiers, data_fields, extended = zip(*frames, strict=True)
     if len(frames) < WORTH_ARRAYS or set(map(len, data_fields)) != {8}:
         return [frame_bits(frame) for frame in frames]
-    crc_of_byte, stuffing = _arrays()
     kinds, kind = np.unique(np.array(identifiers) << 1 | np.array(extended), return_inverse=True)
     heads = np.array([_header(k >> 1, bool(k & 1), 8) for k in kinds.tolist()], np.int32)[kind]
+    lengths: list[int] = _side_by_side(heads, b"".join(data_fields)).tolist()
+    return lengths
+
+
+def set_lengths(identifiers: tuple[int, ...], data: bytes) -> NDArray[np.int32]:
+    """`frame_bits` of the frames of many sets (`hal.can.CanSet`) with these identifiers, a row for each set.
+    `data`: that of all sets, one behind the other."""
+    heads = np.array([_header(identifier, False, 8) for identifier in identifiers], np.int32)
+    count = len(data) // (8 * len(identifiers))
+    return _side_by_side(np.tile(heads, (count, 1)), data).reshape(count, len(identifiers))
+
+
+def _side_by_side(heads: NDArray[np.int32], data: bytes) -> NDArray[np.int32]:
+    """Lengths of frames of eight bytes; `heads`: what `_header` says of each, (n, 3)."""
+    crc_of_byte, stuffing = _arrays()
     crc, row, bits = heads[:, 0], heads[:, 1] * SYMBOLS, heads[:, 2]
-    data = np.frombuffer(b"".join(data_fields), np.uint8).reshape(-1, 8)
-    for byte in data.T.astype(np.int32):
+    columns = np.frombuffer(data, np.uint8).reshape(-1, 8)
+    for byte in columns.T.astype(np.int32):
         crc = (crc & 0x7F) << 8 ^ crc_of_byte.take(crc >> 7 ^ byte)
         step = stuffing.take(row + byte)
         row, bits = step >> 2, bits + (step & 3)
     for symbol in (crc >> 7, 256 + (crc & 0x7F)):
         step = stuffing.take(row + symbol)
         row, bits = step >> 2, bits + (step & 3)
-    lengths: list[int] = bits.tolist()
-    return lengths
+    return bits
 
 
 def arbitration_key(frame: CanFrame) -> int:

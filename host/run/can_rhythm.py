@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hal.can import CanFrame
+from hal.emulated.can_bursts import HeardSets
 from hal.emulated.virtual_time import SECOND
 from host.capture.blocks import EXTENDED
 from host.record.can_course import CanCourse
@@ -25,13 +26,21 @@ class CanRhythm:
 
     def __init__(self, bus: str) -> None:
         self._bus = bus
-        self._heads: list[tuple[int, int]] = []
+        self._heads: list[tuple[Integers, Integers]] = []
+        """Identifiers and ends of frames that wait to be counted."""
+        self._waiting = 0
         self._counted: dict[int, _Counted] = {}
 
     def add(self, heard: Sequence[tuple[CanFrame, int, *tuple[object, ...]]]) -> None:
         """More frames with their ends in ns and whatever else is known, in the order of the ends."""
-        self._heads += [(one[0].identifier | EXTENDED * one[0].extended, one[1]) for one in heard]
-        if len(self._heads) >= WORTH_COUNTING:
+        if isinstance(heard, HeardSets):
+            self._heads.append((heard.identifiers(), heard.ends_ns))
+        else:
+            heads = [(one[0].identifier | EXTENDED * one[0].extended, one[1]) for one in heard]
+            identifiers, ends_ns = np.array(heads, dtype=np.int64).reshape(-1, 2).T
+            self._heads.append((identifiers, ends_ns))
+        self._waiting += len(heard)
+        if self._waiting >= WORTH_COUNTING:
             self._count()
 
     def courses(self, duration_ns: int) -> list[CanCourse]:
@@ -43,8 +52,11 @@ class CanRhythm:
         ]
 
     def _count(self) -> None:
-        identifiers, ends_ns = np.array(self._heads, dtype=np.int64).reshape(-1, 2).T
+        if not self._heads:
+            return
+        identifiers, ends_ns = map(np.concatenate, zip(*self._heads, strict=True))
         self._heads.clear()
+        self._waiting = 0
         for identifier in np.unique(identifiers).tolist():
             if identifier not in self._counted:
                 if len(self._counted) == MOST_IDENTIFIERS:

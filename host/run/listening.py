@@ -112,12 +112,14 @@ class CanEar:
     def take(self) -> bytes:
         """Records (`blocks.can_records`) of all frames that have ended since the last time, which also go to
         the capture."""
-        heard = self._listener.take()
-        records = can_records(heard)
-        if self._record is not None:
-            self._record(records, heard)
-        self.rhythm.add(heard)
-        return records
+        taken = []
+        for heard in self._listener.take_parts():
+            records = can_records(heard)
+            if self._record is not None:
+                self._record(records, heard)
+            self.rhythm.add(heard)
+            taken.append(records)
+        return b"".join(taken)
 
 
 class Ears:

@@ -2,14 +2,17 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hal.can import CanFrame, CanSet
 from hal.emulated.can import CanNode, EmulatedCanBus
+from hal.emulated.can_bursts import HeardSets
 from hal.emulated.can_frame import LONGEST_FRAME_BITS, frame_bits, frame_lengths
 from hal.emulated.virtual_time import SECOND, VirtualTime
+from host.capture.blocks import can_records
 
 MS = 1_000_000
 BITRATE = 250_000
@@ -177,3 +180,28 @@ def test_a_set_needs_eight_bytes_for_each_frame_and_identifiers_of_eleven_bits()
     bench = Bench(prompt=False)
     with pytest.raises(ValueError, match="0x800: a 11-bit one is at most 0x7FF"):
         bench.node.send(CanSet((0x7FF, 0x800), bytes(16)))
+
+
+@pytest.mark.parametrize("data_seed", [1, 2])
+def test_many_sets_worked_out_in_columns_are_their_frames(data_seed: int) -> None:
+    identifiers = (0x310, 0x311, 0x7FF, 0x000, 0x555)
+    numbers = np.random.default_rng(data_seed)
+    outcomes = []
+    data = numbers.choice([0x00, 0xFF, 0x5A], (60, 40)).astype(np.uint8)
+    sets = [CanSet(identifiers, row.tobytes()) for row in data]
+    for as_set in (True, False):
+        time = VirtualTime()
+        bus = EmulatedCanBus(time, 500_000)
+        node, late = CanNode(bus, "board"), bus.listen_late()
+        for one in sets:
+            time.at(time.now + 100 * MS, lambda: None)
+            time.run_next()
+            assert node.send(one if as_set else tuple(one)) == 5
+        time.at(time.now + 100 * MS, lambda: None)
+        time.run_next()
+        parts = late.take_parts()
+        assert any(isinstance(part, HeardSets) for part in parts) == as_set
+        records = b"".join(can_records(part) for part in parts)
+        outcomes.append(([frame for part in parts for frame in part], records, bus.frames, bus.busy_ns))
+    assert outcomes[0] == outcomes[1]
+    assert outcomes[0][0][5][0] == next(iter(sets[1]))
