@@ -143,3 +143,58 @@ def board_command(
         return attach_board(request, json, quiet)
 
     guarded(command)
+
+
+@app.command("gnss")
+def gnss_command(
+    port: Annotated[
+        str,
+        typer.Option(
+            "--port",
+            metavar="URL",
+            help="/dev/ttyUSB0, /dev/ttyACM0, rfc2217://HOST:PORT, socket://HOST:PORT.",
+        ),
+    ],
+    board: BoardName = "car_mems",
+    scenario: Annotated[
+        str | None,
+        typer.Option("--scenario", "-s", metavar="NAME|FILE", help="Default: static, where the receiver is."),
+    ] = None,
+    profile: Profile = None,
+    changes: Changes = None,
+    baud: Annotated[
+        int | None,
+        typer.Option("--baud", metavar="N", help="The receiver's rate now. Default: found by listening."),
+    ] = None,
+    wait: Annotated[
+        float, typer.Option("--wait", metavar="N", min=0.0, help="Seconds to wait for the first fix.")
+    ] = 120.0,
+    record_only: Annotated[
+        bool, typer.Option("--record-only", help="Judge nothing; allows a scenario that moves.")
+    ] = False,
+    seconds: Seconds = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="DIR", help="Report, solution, capture. Default: runs/BOARD-gnss-DATE."
+        ),
+    ] = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Run a board in real time with a real receiver in place of its emulated one.
+
+    The firmware's driver configures the receiver, bit rate and all; the twin stands where the receiver's
+    first fix is. Ends with 0: it ran on the receiver, 1: no position came in, 2: bad input or port.
+    """
+
+    def command() -> int:
+        from host.cli.attach_run_gnss import GnssRequest, attach_gnss
+        from host.record.result import RunRequest
+
+        run = RunRequest(
+            board=board, scenario=scenario, profile=profile, overrides=tuple(changes or ()), out_dir=out
+        )
+        return attach_gnss(GnssRequest(port, baud, wait, seconds, record_only, run), json, quiet)
+
+    guarded(command)

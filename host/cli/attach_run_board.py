@@ -4,30 +4,25 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
-from rich.live import Live
 
 from host.attach.board_recording import BoardRecording
 from host.attach.board_session import Attachment, BoardSession
 from host.attach.board_setup import BoardSetup, board_setup, setup_of_capture
 from host.attach.board_source import BoardSource, CapturedBoard, capture_at, open_serial
 from host.attach.shadow import Shadow
+from host.cli.attach_screen import screen
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.terminal import standard_error, standard_output
-from host.link.messages import Message
-from host.monitor.view import MonitorView
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 from host.run.intake import HOST_PORT
 
 STANDARD_OUTPUT = "-"
-REFRESH_S = 0.2
 DEFAULT_BOARD = "car_mems"
 
 
@@ -73,13 +68,13 @@ def _attached(
         out_dir = Path("runs") / f"{setup.board.name}-attached-{time.strftime('%Y%m%d-%H%M%S')}"
     recording = None if out_dir is None else BoardRecording(out_dir, setup.manifest(source.name), HOST_PORT)
     try:
-        with _screen(setup, source, quiet) as screen:
-            session = BoardSession(source, shadow, recording, screen.show, screen.notice)
-            screen.begin(session)
+        with screen(f"{setup.board.name} on {source.name}", quiet or not source.live) as shown:
+            session = BoardSession(source, shadow, recording, shown.show, shown.notice)
+            shown.begin(session.decoder)
             try:
                 session.run(request.seconds)
             except KeyboardInterrupt:
-                screen.notice("ended by hand")
+                shown.notice("ended by hand")
             attachment = session.result()
         if recording is not None:
             recording.finish(session.now_ns)
@@ -88,57 +83,6 @@ def _attached(
             recording.abandon()
         raise
     return attachment, out_dir
-
-
-class Screen:
-    """The live view, or lines where there is no terminal for it."""
-
-    def __init__(self, console: Console, live: Live | None, title: str, quiet: bool) -> None:
-        self._console = console
-        self._live = live
-        self._quiet = quiet
-        self._drawn = 0.0
-        self._view: MonitorView | None = None
-        self._title = title
-        self._last = ""
-
-    def begin(self, session: BoardSession) -> None:
-        """What is shown."""
-        if self._live is not None:
-            self._view = MonitorView(self._title, session.decoder)
-            self._view.hint = "Ctrl-C ends"
-
-    def show(self, messages: list[tuple[int, Message]], at_s: float) -> None:
-        """Messages that have come."""
-        view = self._view
-        if view is None or self._live is None:
-            return
-        view.take(messages, at_s)
-        view.source = self._last
-        now = time.monotonic()
-        if now - self._drawn >= REFRESH_S:
-            self._drawn = now
-            size = self._console.size
-            self._live.update(view.render(size.width, size.height), refresh=True)
-
-    def notice(self, text: str) -> None:
-        """Something people should know."""
-        self._last = text
-        if self._view is not None:
-            self._view.say(text)
-        elif not self._quiet:
-            self._console.print(text, soft_wrap=True, markup=False)
-
-
-@contextmanager
-def _screen(setup: BoardSetup, source: BoardSource, quiet: bool) -> Iterator[Screen]:
-    console = standard_error()
-    title = f"{setup.board.name} on {source.name}"
-    if quiet or not source.live or not console.is_terminal:
-        yield Screen(console, None, title, quiet)
-        return
-    with Live(console=console, screen=True, auto_refresh=False) as live:
-        yield Screen(console, live, title, quiet)
 
 
 def _write(attachment: Attachment, setup: BoardSetup, json_to: str | None) -> None:

@@ -1,0 +1,81 @@
+"""A real receiver's place on the board: what it says goes onto the board's line, what it hears to its port.
+
+The line into the board always has the rate of the board's own UART, as the port has: where receiver and
+board disagree about it, the port's hardware has garbled the bytes already.
+"""
+
+from __future__ import annotations
+
+from boards.assembly import AssembledBoard
+from boards.chips.world import GnssWorld
+from hal.emulated.pins import Net
+from hal.emulated.uart_wire import UartWire
+from hal.emulated.virtual_time import VirtualTime
+from host.attach.receiver_port import RATELESS, ReceiverPort
+
+MODEL = f"{__name__}:LiveReceiver"
+
+
+class LiveReceiver:
+    """What the board's assembly takes for a chip. Its pins stay as they are: a serial port has none."""
+
+    def __init__(
+        self, _time: VirtualTime, _world: GnssWorld, _line: UartWire, *, pin_names: tuple[str, ...]
+    ) -> None:
+        self.pins: dict[str, Net | None] = dict.fromkeys(pin_names)
+        self.is_on = True
+
+    def receive(self, data: bytes, time_ns: int) -> None:
+        """What the board sends is taken off the line by `ReceiverLine`, whatever its rate."""
+
+    def power(self, on: bool) -> None:
+        """The board switches its supply; the real one goes on, but is not listened to."""
+        self.is_on = on
+
+
+class ReceiverLine:
+    """Between port and board. Times of the wall clock are time.monotonic_ns()."""
+
+    def __init__(self, board: AssembledBoard, refdes: str, port: ReceiverPort) -> None:
+        uart = board.description.chips[refdes].uart
+        assert uart is not None
+        self.bytes_in = 0
+        self.bytes_out = 0
+        self.rate_changes = 0
+        self.forwarded = 0
+        self.forward_ns = 0
+        self.longest_forward_ns = 0
+        """From the arrival at the port to the board's line."""
+        self._receiver: LiveReceiver = board.chips[refdes]
+        self._port = port
+        self._uart = board.ports[uart]
+        self._to_board = board.to_board[uart]
+        self._ear = board.from_board[uart].connect_late()
+        self._follow()
+
+    def bring_in(self, arrived: list[tuple[int, bytes]], now_ns: int) -> None:
+        """Put on the line what has come."""
+        if not self._receiver.is_on:
+            return
+        for came_ns, data in arrived:
+            self._to_board.set_baud(self._uart.baud)
+            self._to_board.send(data)
+            self.bytes_in += len(data)
+            self.forwarded += 1
+            self.forward_ns += now_ns - came_ns
+            self.longest_forward_ns = max(self.longest_forward_ns, now_ns - came_ns)
+
+    def hand_out(self) -> None:
+        """Send to the receiver what the board has sent, then take over the board's rate."""
+        data, _errors = self._ear.take()
+        if data:
+            self.bytes_out += self._port.link.write(data)
+        self._follow()
+
+    def _follow(self) -> None:
+        baud = self._uart.baud
+        if baud != self._port.link.baud:
+            self.rate_changes += 1
+            if not self._port.url.startswith(RATELESS):
+                self._port.link.set_baud(baud)
+        self._to_board.set_baud(baud)
