@@ -24,10 +24,15 @@ def own_fix(
     satellites: int,
     hdop_centi: int,
 ) -> OwnFix:
-    """`floats`, `integers`: a solution record of `firmware.nav.solution`; `utc`: (time of day ms, date)."""
+    """`floats`, `integers`: a solution record of `firmware.nav.solution`; `utc`: (time of day ms, date).
+
+    Numbers that are none (a broken state that nobody has noticed yet) make a fix that is not valid.
+    """
     mode, flags = integers[record.MODE], integers[record.FLAGS]
     validity = Validity.NONE
-    if mode in (fl.NAVIGATING, fl.DEGRADED):
+    if not all(map(math.isfinite, floats)):
+        floats = [0.0] * len(floats)
+    elif mode in (fl.NAVIGATING, fl.DEGRADED):
         lost = flags >> fl.GNSS_LOST & 1
         validity = Validity.DEAD_RECKONING if lost else Validity.GNSS
     north, east = floats[record.VELOCITY], floats[record.VELOCITY + 1]
