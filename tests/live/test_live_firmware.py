@@ -30,7 +30,7 @@ from hal.live.watchdog import LiveWatchdog
 from host.link.decoder import LinkDecoder
 from host.link.messages import Gnss, Solution, Status
 
-SECONDS = 3.0
+SECONDS = 2.5
 SENTENCES = (
     "GNRMC,{t}.00,A,4717.11437,N,00833.91522,E,0.004,,091222,,,A",
     "GNGGA,{t}.00,4717.11437,N,00833.91522,E,1,08,1.01,499.6,M,48.0,M,,",
@@ -126,7 +126,7 @@ def test_car_mems_runs_in_real_time(places: tuple[Desktop, PtyPort, PtyPort], tm
     assert len(solutions) >= 9 * SECONDS
     assert all(90 <= later - earlier <= 110 for earlier, later in pairwise(reads))
     epochs = [one for one in messages if isinstance(one, Gnss)]
-    assert len(epochs) >= SECONDS - 2
+    assert len(epochs) >= 1
     assert epochs[-1].lat_nanodeg == pytest.approx((47 + 17.11437 / 60) * 1e9, abs=10)
     assert solutions[-1].lat_nanodeg == pytest.approx((47 + 17.11437 / 60) * 1e9, abs=1000)
     assert solutions[-1].lon_nanodeg == pytest.approx((8 + 33.91522 / 60) * 1e9, abs=1000)

@@ -162,7 +162,7 @@ def test_the_rate_of_a_receiver_is_found(tmp_path: Path, talks_at: int, first: i
 
         talker = Thread(target=talk, daemon=True)
         talker.start()
-        probe = probe_baud(str(device.path), (first, 19_200, talks_at), listen_s=0.3)
+        probe = probe_baud(str(device.path), (first, 19_200, talks_at), listen_s=0.15)
         stop.set()
         talker.join()
     assert probe.best is not None
@@ -185,7 +185,7 @@ def test_noise_has_no_rate(tmp_path: Path) -> None:
 
         talker = Thread(target=talk, daemon=True)
         talker.start()
-        probe = probe_baud(str(device.path), (9600, 115_200), listen_s=0.3)
+        probe = probe_baud(str(device.path), (9600, 115_200), listen_s=0.15)
         stop.set()
         talker.join()
     assert probe.best is None
