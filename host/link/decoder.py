@@ -13,6 +13,7 @@ import re
 from collections.abc import Callable
 from typing import Final
 
+import numpy as np
 from crcmod.predefined import mkPredefinedCrcFun
 
 from firmware.drivers.satellite_lists import SYSTEM_NAMES, SatelliteInView
@@ -94,25 +95,30 @@ class LinkDecoder:
 
     def _split(self, final: bool) -> list[tuple[int, bytes]]:
         pending = bytes(self._pending)
+        last_end = len(pending) - CRC_LENGTH
+        find, crc = pending.find, _crc
         found: list[tuple[int, bytes]] = []
+        sequences = bytearray()
         between = 0
-        at = pending.find(SYNC)
+        at = find(SYNC)
         while at >= 0:
-            end = at + HEADER_LENGTH + pending[at + 3] if len(pending) > at + 3 else len(pending)
-            if end + CRC_LENGTH > len(pending):
+            body = at + HEADER_LENGTH
+            end = body + pending[at + 3] if body <= last_end else len(pending)
+            if end > last_end:
                 if not final:
                     break
-            elif _crc(pending[at + 2 : end]) != pending[end] | pending[end + 1] << 8:
+            elif crc(pending[at + 2 : end]) != pending[end] | pending[end + 1] << 8:
                 self.bad_crc += 1
             else:
                 if at > between:
                     self._between(pending[between:at], found)
-                self._count(pending[at + 4])
-                found.append((pending[at + 2], pending[at + HEADER_LENGTH : end]))
+                sequences.append(pending[at + 4])
+                found.append((pending[at + 2], pending[body:end]))
                 between = end + CRC_LENGTH
-                at = pending.find(SYNC, between)
+                at = find(SYNC, between)
                 continue
-            at = pending.find(SYNC, at + 1)
+            at = find(SYNC, at + 1)
+        self._count(sequences)
         keep = len(pending) if final else max(self._undecided(pending, between, at), between)
         if keep > between:
             self._between(pending[between:keep], found)
@@ -138,11 +144,15 @@ class LinkDecoder:
                 garbage -= len(match[0])
         self.garbage_bytes += garbage
 
-    def _count(self, sequence: int) -> None:
-        self.frames += 1
-        if self._next_sequence is not None:
-            self.lost += (sequence - self._next_sequence) & 0xFF
-        self._next_sequence = (sequence + 1) & 0xFF
+    def _count(self, sequences: bytearray) -> None:
+        """Frames with these numbers have come, in this order."""
+        if not sequences:
+            return
+        self.frames += len(sequences)
+        before = sequences[0] if self._next_sequence is None else self._next_sequence
+        expected = np.frombuffer(bytes(((before - 1) & 0xFF,)) + sequences, np.uint8)
+        self.lost += int((np.diff(expected) - np.uint8(1)).sum())
+        self._next_sequence = (sequences[-1] + 1) & 0xFF
 
     def _open_all(self, raw: list[tuple[int, bytes]]) -> list[tuple[int, Message]]:
         opened: list[tuple[int, Message]] = []
