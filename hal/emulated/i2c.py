@@ -61,7 +61,8 @@ class I2cSlave(Protocol):
 class EmulatedI2cBus:
     """One bus with its controller. Implements `hal.i2c.I2cBus`.
 
-    A slave may have an attribute `stretch_ns`: how long it holds the clock low after its address.
+    A slave may have an attribute `stretch_ns`: how long it holds the clock low after its address, and a
+    method `listens(time_ns)`: whether it acknowledges its address at all (it may be without supply, or busy).
     """
 
     def __init__(
@@ -164,7 +165,8 @@ class EmulatedI2cBus:
         """(Repeated) start and address byte."""
         wire.clocks(1 + BYTE_CLOCKS)
         slave = self._slaves.get(address)
-        if slave is None:
+        listens = getattr(slave, "listens", None)
+        if slave is None or (listens is not None and not listens(self._cpu.time.now)):
             wire.clocks(1)
             wire.refusal = ErrorKind.ADDRESS_NACK
             raise self._refused(wire.refusal, address)

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from boards.chips.i2c_speed import I2cSpeed
 from boards.chips.registers import AccessLog, ReportKind
 
-_FASTEST_CLOCK_NS = 2_500
-"""400 kHz."""
-_BYTE_CLOCKS = 9
+_FASTEST_HZ = 400_000
 _POINTER = 0x3F
 
 
@@ -38,16 +37,17 @@ class I2cFace:
         self.address = address
         self._chip = chip
         self._pointer = 0
-        self._heard_ns = 0
-        self._clocks_owed = 0
-        """Clocks that the bus needs at least from the last call to the end of the next address byte."""
+        self._speed = I2cSpeed(_FASTEST_HZ)
+
+    def listens(self, _time_ns: int) -> bool:
+        """Whether the chip acknowledges its address."""
+        return self._chip.powered
 
     def write(self, data: bytes, time_ns: int) -> int:
         """Bytes from the master: register address, then values. Returns how many were acknowledged."""
         if not self._chip.powered:
             return 0
-        self._check_clock(time_ns, _BYTE_CLOCKS * len(data))
-        self._clocks_owed = 1 + _BYTE_CLOCKS
+        self._check_clock(self._speed.write(len(data), time_ns), time_ns)
         if data:
             if data[0] & ~_POINTER:
                 detail = f"register address 0x{data[0]:02X} has more than six bits; the upper two are dropped"
@@ -62,8 +62,7 @@ class I2cFace:
         """Bytes to the master from the register pointer on; 0xFF (an idle bus) without power."""
         if not self._chip.powered:
             return b"\xff" * length
-        self._check_clock(time_ns, 0)
-        self._clocks_owed = 1 + _BYTE_CLOCKS * (1 + length)
+        self._check_clock(self._speed.read(length, time_ns), time_ns)
         data = self._chip.i2c_read(self._pointer, length, time_ns)
         self._move(length)
         return data
@@ -71,10 +70,7 @@ class I2cFace:
     def _move(self, count: int) -> None:
         self._pointer = (self._pointer + count) & _POINTER
 
-    def _check_clock(self, time_ns: int, clocks: int) -> None:
-        """A slave does not know the clock, but what comes sooner than 400 kHz allow was faster."""
-        passed = time_ns - self._heard_ns
-        if 0 < passed < (self._clocks_owed + clocks) * _FASTEST_CLOCK_NS - 1:
+    def _check_clock(self, fits: bool, time_ns: int) -> None:
+        if not fits:
             detail = "clock faster than 400 kHz: undefined, served as if it were slower"
             self._chip.log.report(ReportKind.TIMING, "I2C", detail, time_ns)
-        self._heard_ns = time_ns

@@ -31,6 +31,10 @@ class I2cFace:
         self._chip = chip
         self._pointer = 0
 
+    def listens(self, time_ns: int) -> bool:
+        """Whether the chip acknowledges its address."""
+        return self._chip.i2c_listens(time_ns)
+
     def write(self, data: bytes, time_ns: int) -> int:
         """Bytes from the master: register address, then values. Returns how many were acknowledged."""
         if not self._chip.i2c_listens(time_ns):
