@@ -58,7 +58,7 @@ def monitor(
         source = _source(request, once)
     except KeyboardInterrupt:
         return EXIT_MET
-    view = MonitorView(f"navtwin monitor {source.title}")
+    view = MonitorView(source.title)
     try:
         if not once and not as_json:
             show(console, source, view, seconds)

@@ -96,14 +96,18 @@ class CaptureSource:
         if key == " ":
             self.pace.paused = not self.pace.paused
         elif key == "right":
-            self._seek_s = self._now_s + SEEK_S
+            self._seek_s = self._goal_s() + SEEK_S
         elif key == "left":
-            to_s = max(self._now_s - SEEK_S, 0.0)
+            to_s = max(self._goal_s() - SEEK_S, 0.0)
             view.forget(0.0)
             self._begin()
             self._seek_s = to_s
         elif key in ("+", "-") and self.pace.speed:
             self.pace.speed = min(max(self.pace.speed * (2.0 if key == "+" else 0.5), 0.125), 1024.0)
+
+    def _goal_s(self) -> float:
+        """Where a jump under way will end, or else where we are."""
+        return self._now_s if self._seek_s is None else self._seek_s
 
     def close(self) -> None:
         """Let go of the file."""

@@ -28,9 +28,9 @@ class Pace:
         return self._at_s
 
     def jump(self, to_s: float) -> None:
-        """Go on from there."""
+        """Go on from there, now."""
         self._at_s = to_s
-        self._wall_s = None
+        self._wall_s = time.monotonic()
 
     def told(self) -> str:
         """For people."""

@@ -31,6 +31,7 @@ from host.monitor.words import duration, mode_name, mode_style
 Lines = Callable[[int, int], list[Text]]
 SMALLEST = 10
 """Columns and rows are taken to be at least so many."""
+LEAST_TITLE = 12
 PLAIN_SIGNS = {"°": "d", "±": "~", "σ": "s", "µ": "u", "·": ".", "•": "o", "…": "."} | dict.fromkeys(
     "─━╸╺", "-"
 )
@@ -190,9 +191,10 @@ class MonitorView:
         told = ("waiting for data", "yellow") if mode is None else (mode_name(mode), mode_style(mode))
         if mode is None and self.state.gnss is not None:
             told = (f"receiver: {self.state.fix}", "green")
-        head = Text.assemble((f" {self.title} ", "bold reverse"), " ", told, "  ", no_wrap=True)
-        head.append(f"t {duration(self.state.at_s)}  ")
-        head.append(self.source, self.source_style)
+        state = Text.assemble(told, f"  t {duration(self.state.at_s)}  ", (self.source, self.source_style))
+        room = max(width - state.cell_len - 4, LEAST_TITLE)
+        title = self.title if len(self.title) <= room else "…" + self.title[1 - room :]
+        head = Text.assemble((f" {title} ", "bold reverse"), "  ", state, no_wrap=True)
         return _line(head)
 
     def _attitude(self, width: int, height: int) -> list[Text]:
