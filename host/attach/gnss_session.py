@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from host.run.readiness import StandIn
 from host.run.session import RunSession, open_session
 from host.run.setup import Setup, resolve, scenario_names
 from host.serve.pacing import PacedRun
+from host.sim.scenario.schema import Scenario
 from host.sim.world import World
 
 STANDING = "static"
@@ -205,11 +206,9 @@ def standing_request(request: RunRequest, record_only: bool) -> RunRequest:
                 f"board {request.board}: it has no scenario {STANDING!r}; name one in which its vehicle"
                 f" stands, --scenario; {hint}"
             )
-        from dataclasses import replace
-
         return replace(request, scenario=STANDING)
     setup = resolve(request)
-    if not record_only and moves(World(setup.scenario, request.seed, request.data_dir)):
+    if not record_only and moves(setup.scenario, request):
         raise UserError(
             f"--scenario {request.scenario}: its vehicle moves, but the receiver at the port stands on a"
             " desk: the inertial sensor would feel a drive that the receiver knows nothing of. Leave it out"
@@ -218,10 +217,11 @@ def standing_request(request: RunRequest, record_only: bool) -> RunRequest:
     return request
 
 
-def moves(world: World) -> bool:
+def moves(scenario: Scenario, request: RunRequest) -> bool:
     """Whether the vehicle of a scenario ever leaves its place."""
-    if world.scenario.kind == "recording":
+    if scenario.kind == "recording":
         return True
+    world = World(scenario, request.seed, request.data_dir)
     times_ns = np.unique(np.linspace(0, world.duration_ns, LOOKS).astype(np.int64))
     return bool(np.abs(world.truth(times_ns).v_ned).max() > SLOWEST_MPS)
 

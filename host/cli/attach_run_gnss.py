@@ -32,6 +32,7 @@ from host.cli.terminal import standard_error, standard_output
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 from host.record.result import RunRequest
+from host.run.runner import check
 from host.run.setup import Setup, resolve
 from host.sim.scenario.errors import ScenarioError
 
@@ -97,6 +98,7 @@ def _checked(request: GnssRequest) -> tuple[RunRequest, Setup]:
     except (DescriptionError, ScenarioError) as error:
         raise UserError(str(error)) from None
     receiver_of(setup.board)
+    check(replace(run, notice=standard_error().print))
     return run, setup
 
 

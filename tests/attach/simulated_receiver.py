@@ -84,7 +84,8 @@ class Receiver:
             year=utc.year, month=utc.month, day=utc.day, hour=utc.hour, min=utc.minute, second=utc.second,
             nano=utc.microsecond // 1000 * 1_000_000,
             validDate=1, validTime=1, fullyResolved=1, tAcc=30,
-            fixType=3 if fixed else 0, gnssFixOk=int(fixed), numSV=9, lon=LONGITUDE + east, lat=LATITUDE + north, height=round(1000 * (HEIGHT + SEPARATION)),
+            fixType=3 if fixed else 0, gnssFixOk=int(fixed), numSV=9,
+            lon=LONGITUDE + east, lat=LATITUDE + north, height=round(1000 * (HEIGHT + SEPARATION)),
             hMSL=round(1000 * HEIGHT), hAcc=2500, vAcc=4000, sAcc=200, pDOP=1.8,
         )  # fmt: skip
         return message.serialize()
