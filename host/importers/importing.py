@@ -19,6 +19,7 @@ from host.importers.request import IMPORT_FORMAT, ImportRequest, ImportResult, R
 from host.importers.series import Portion, Rows, Series, Stream
 from host.importers.time_base import NS, leap_seconds_at, unix_from_gps, utc_text
 from host.importers.topics import ACCURACIES, FORCES, PLACE, RATES, VELOCITY
+from host.importers.turn_check import TurnCheck
 from host.importers.unit_checks import InertialUnits, MotionUnits
 from host.importers.units import Units
 from host.record.errors import UserError
@@ -36,6 +37,7 @@ def import_recording(request: ImportRequest) -> ImportResult:
     recording = KINDS[request.kind](task)
     units.check_used(request.kind)
     accuracy = _accuracy(request.accuracy)
+    turns = TurnCheck(findings)
     checked = [_Checked(stream, findings) for stream in recording.streams]
     waiting = [(portion.first_ns, i, portion) for i, one in enumerate(checked) if (portion := one.next())]
     if not waiting:
@@ -49,9 +51,12 @@ def import_recording(request: ImportRequest) -> ImportResult:
         while waiting:
             _, i, portion = heapq.heappop(waiting)
             _write(writer, portion, accuracy)
+            if isinstance(portion, Rows):
+                turns.take(portion)
             following = checked[i].next()
             if following is not None:
                 heapq.heappush(waiting, (following.first_ns, i, following))
+        turns.finish()
         uses = _uses(writer.counts)
         for line in findings.lines():
             writer.event("import", line)

@@ -21,15 +21,19 @@ from boards.places import board_folder
 from host.capture.inertial_samples import IMU, InertialSamples
 from host.capture.reader import CaptureReader
 from host.importers.time_base import utc_text
+from host.importers.topics import PLACE, VELOCITY
 from host.record.errors import UserError
 from host.record.manifest import build_manifest
 from host.record.run_data import NAVIGATING
 from host.replay.request import ReplayRequest
-from host.replay.road import AGAINST_RECEIVER, AGAINST_TRUTH, NS, Road
+from host.replay.road import AGAINST_RECEIVER, AGAINST_TRUTH, NS, Road, metres_per_radian
 
 Array = NDArray[np.float64]
 IMU_TOPIC = "/imu/"
 COLUMNS = (*IMU.columns, "temperature_degc")
+LONGEST_EPOCH_STEP_S = 1.1
+LEAST_SPEED_MPS = 1.0
+"""Below it a course means nothing."""
 LATEST_START_S = 10.0
 """Other streams that begin later than this behind the inertial samples are not waited for."""
 
@@ -56,7 +60,7 @@ class ImportedContent:
         """Of virtual time 0 on the capture's axis, a whole second."""
         fixes = [row for row in rows["/gnss"] if row["fix"] and row["latitude_deg"] is not None]
         self.first_fix = next((row for row in fixes if row["t_s"] >= self.start_s), fixes[-1])
-        self.epochs = self._shifted(rows["/gnss"])
+        self.epochs = _with_velocities(self._shifted(rows["/gnss"]))
         self.climbs: list[dict[str, Any]] = []
         self.samples = {name: _samples(table, self.start_s) for name, table in tables.items()}
         self.mountings = {name: np.eye(3) for name in tables}
@@ -66,7 +70,7 @@ class ImportedContent:
             self.road = Road([_as_solution(row) for row in truth], AGAINST_TRUTH)
         else:
             known = [row for row in self.epochs if row["fix"] and row["height_m"] is not None]
-            self.road = Road([_as_solution(row) for row in known], AGAINST_RECEIVER)
+            self.road = Road(_along_course([_as_solution(row) for row in known]), AGAINST_RECEIVER)
         ends = [float(first[-1, 0]) - self.start_s, self.epochs[-1]["t_s"] if self.epochs else 0.0]
         if truth:
             ends.append(truth[-1]["t_s"])
@@ -98,6 +102,29 @@ def _start_s(first_sample_s: float, rows: dict[str, list[dict[str, Any]]]) -> fl
     return float(math.ceil(round(max(first_sample_s, *awaited), 6)) if awaited else math.ceil(first_sample_s))
 
 
+def _with_velocities(epochs: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Epochs of receivers that told no velocity, or none vertically, get the slope of their positions."""
+    fixed = [row for row in epochs if row["fix"] and row["height_m"] is not None]
+    if len(fixed) < 2 or all(row[name] is not None for row in fixed for name in VELOCITY):
+        return epochs
+    times = np.array([row["t_s"] for row in fixed])
+    place = np.array([[row[name] for name in PLACE] for row in fixed])
+    place[:, :2] = np.unwrap(np.radians(place[:, :2]), axis=0)
+    metres = np.column_stack((metres_per_radian(place), -np.ones(len(place))))
+    before, after = (
+        np.maximum(np.arange(len(times)) - 1, 0),
+        np.minimum(np.arange(len(times)) + 1, len(times) - 1),
+    )
+    steps = times[after] - times[before]
+    slopes = (place[after] - place[before]) * metres / steps[:, None]
+    slopes[steps > 2 * LONGEST_EPOCH_STEP_S] = np.nan
+    for row, slope in zip(fixed, slopes.tolist(), strict=True):
+        for name, value in zip(VELOCITY, slope, strict=True):
+            if row[name] is None and math.isfinite(value):
+                row[name] = value
+    return epochs
+
+
 def _samples(table: Array, start_s: float) -> InertialSamples:
     times_ns = np.rint((table[:, 0] - start_s) * NS).astype(np.int64)
     warm = np.isfinite(table[:, 7])
@@ -111,6 +138,21 @@ def _as_solution(row: dict[str, Any]) -> dict[str, Any]:
     return {**row, **unknown, **angles, "mode": NAVIGATING, "error_north_m": None}
 
 
+def _along_course(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The body points where it moves, and lies level across: all that a receiver knows of attitude."""
+    yaw = pitch = 0.0
+    for row in rows:
+        for name in VELOCITY:
+            row[name] = row[name] if math.isfinite(row[name]) else 0.0
+        north, east, down = (row[name] for name in VELOCITY)
+        speed = math.hypot(north, east)
+        if speed > LEAST_SPEED_MPS:
+            yaw = math.degrees(math.atan2(east, north))
+            pitch = math.degrees(math.atan2(-down, speed))
+        row |= {"yaw_deg": yaw, "pitch_deg": pitch, "roll_deg": 0.0}
+    return rows
+
+
 def imported_manifest(
     content: ImportedContent, reader: CaptureReader, request: ReplayRequest
 ) -> dict[str, Any]:
@@ -121,6 +163,9 @@ def imported_manifest(
             f" navtwin replay {request.capture} --board car_mems --mode physical"
         )
     board = load_board(request.board)
+    if content.road.known_from == AGAINST_RECEIVER:
+        antennas = [chip.lever_arm_m for chip in board.chips.values() if chip.world == "gnss"]
+        content.road_lever_arm = np.array(antennas[0] if antennas else (0.0, 0.0, 0.0))
     text = (board_folder(request.board) / "board.toml").read_text(encoding="utf-8")
     name = f"import-{reader.manifest.get('kind', 'recording')}"
     profile = request.profile or board.default_profile

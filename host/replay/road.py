@@ -20,7 +20,11 @@ from host.sim.truth import TruthBatch, unknown_bias
 
 Array = NDArray[np.float64]
 NS = 1_000_000_000
-AGAINST_TRUTH, AGAINST_SOLUTION, AGAINST_RECEIVER = "truth", "recorded solution", "recorded receiver"
+AGAINST_TRUTH, AGAINST_SOLUTION, AGAINST_RECEIVER = (
+    "truth",
+    "recorded solution",
+    "recorded receiver, attitude against its course",
+)
 LONGEST_STEP_S = 2.0
 """Rows further apart than this are not interpolated between."""
 POSITION, VELOCITY = (
