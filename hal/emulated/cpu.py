@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from greenlet import getcurrent, greenlet
 
 from hal.board_io import NotNamedError
-from hal.emulated.interrupt_line import EmulatedLine, LineSpec
+from hal.emulated.interrupt_line import NEVER_YET, EmulatedLine, LineSpec
 from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
 from hal.interrupts import LineFigures
 
@@ -69,8 +69,8 @@ class EmulatedCpu:
         self.reset_cause = "power-on"
         self.resets: list[tuple[int, str]] = []
         self.trace: list[tuple[int, int, int]] | None = None
-        """(bit of the line, start, end) in ns, while recording; at most TRACE_LENGTH entries."""
-        self._tracing = False
+        """(bit of the line, start, end) in ns, from `start_trace` on; at most TRACE_LENGTH entries."""
+        self.tracing = False
         self.reset_hooks: list[Callable[[], None]] = []
         """Called when the processor resets: every peripheral falls back to its state after power-on."""
         self._enabled = 0
@@ -164,14 +164,18 @@ class EmulatedCpu:
         return (time_ns - self._boot_ns) * self._clock_rate // SECOND
 
     def start_trace(self) -> None:
-        """Record the next TRACE_LENGTH activations in `trace`."""
+        """Record the next TRACE_LENGTH activations in `trace`; meanwhile none of them is an ordinary one."""
         self.trace = []
-        self._tracing = True
+        self.tracing = True
+        for line in self._by_bit.values():
+            line.expect(NEVER_YET)
 
-    def _trace(self, bit: int, start: int, end: int) -> None:
+    def trace_activation(self, bit: int, took: int) -> None:
+        """An activation of `took` ns ends now."""
         assert self.trace is not None
-        self.trace.append((bit, start, end))
-        self._tracing = len(self.trace) < TRACE_LENGTH
+        end = self.time.now
+        self.trace.append((bit, end - took, end))
+        self.tracing = len(self.trace) < TRACE_LENGTH
 
     def virtual_ns(self, clock_ns: int) -> int:
         """The virtual time at which this processor's clock showed `clock_ns` (since its last reset)."""
@@ -279,8 +283,6 @@ class EmulatedCpu:
             else:
                 line.account(waited, took, self._nested_ns)
             nested_ns += took
-            if self._tracing:
-                self._trace(bit, start, start + took)
         self.running = outer
         self._nested_ns = nested_ns
 

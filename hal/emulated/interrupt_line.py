@@ -95,11 +95,17 @@ class EmulatedLine:
         self.deadline_misses += response > self.deadline_ns
         self._others += 1
         self._others_ns += busy
-        if not waited and not nested and took <= self.deadline_ns:
-            self._others += self.repeats
-            self._others_ns += self.repeats * self.usual_ns
-            self.repeats = 0
-            self.usual_ns = took
+        if self._cpu.tracing:
+            self._cpu.trace_activation(self.bit, took)
+        elif not waited and not nested and took <= self.deadline_ns:
+            self.expect(took)
+
+    def expect(self, usual_ns: int) -> None:
+        """From now on an undisturbed activation of this length is the ordinary one."""
+        self._others += self.repeats
+        self._others_ns += self.repeats * self.usual_ns
+        self.repeats = 0
+        self.usual_ns = usual_ns
 
     def request(self) -> None:
         """A piece of hardware asks for service, from an event or while some firmware operates it."""

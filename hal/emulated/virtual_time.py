@@ -108,7 +108,7 @@ class VirtualTime:
         else:
             self.now = now = entry[0]
             again = callback()
-            if again is not None and heap[0] is entry and entry[3] is not None:
+            if again is not None and heap[0] is entry:
                 if again < now:
                     raise ValueError(f"event repeats at {again} ns, before now ({now} ns)")
                 entry[0] = again
@@ -137,7 +137,7 @@ class VirtualTime:
         else:
             self._heap.remove(entry)
             heapify(self._heap)
-        if again is not None and entry[3] is not None:
+        if again is not None:
             self._created += 1
             entry[0] = again
             entry[2] = self._created
