@@ -31,6 +31,18 @@ class ImuWorld(Protocol):
         ...
 
 
+class CompassWorld(Protocol):
+    """What a tilt-compensated compass feels, with its own errors."""
+
+    def sample(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Instantaneous values at `times_ns`, shape (n, 7).
+
+        Columns: specific force x, y, z in m/s², magnetic flux density x, y, z in T, temperature in °C, in the
+        chip's own axes. `times_ns` rises strictly, also from call to call.
+        """
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Satellite:
     """One satellite in view. `cn0_dbhz` is 0 when it is not tracked; numbers are those of NMEA 4.0."""

@@ -1,0 +1,345 @@
+"""The HMC6343 as a part on a board: a command interface on I²C, modes, a data-ready pin.
+
+A master writes one command byte with its arguments, waits the command's delay, and reads the response, which
+is always that of the last command. Nothing runs while nobody looks; the data-ready pin has events only while
+somebody follows it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Protocol
+
+import numpy as np
+
+from boards.chips.hmc6343 import commands as code
+from boards.chips.hmc6343 import compass, eeprom
+from boards.chips.hmc6343.commands import ALIASES, COMMANDS, POWER_UP_NS, Command
+from boards.chips.hmc6343.eeprom import Eeprom
+from boards.chips.hmc6343.measurement import RATES_HZ, SECOND, Measurements
+from boards.chips.i2c_speed import I2cSpeed
+from boards.chips.registers import AccessLog, AccessReport, ReportKind
+from boards.chips.world import CompassWorld
+from hal.emulated.virtual_time import Event, VirtualTime
+
+FASTEST_HZ = 100_000
+UNDRIVEN = 0xFF
+LOW_NS = {1: 1_000_000, 5: 200_000, 10: 100_000}
+"""How long data ready is low before a measurement is stored; must exceed 750, 150, 75 µs."""
+
+_ORIENTATIONS = {code.LEVEL: compass.LEVEL, code.EDGE: compass.EDGE, code.FRONT: compass.FRONT}
+_ORIENTATION_BITS = {
+    code.LEVEL: eeprom.LEVEL,
+    code.EDGE: eeprom.UPRIGHT_EDGE,
+    code.FRONT: eeprom.UPRIGHT_FRONT,
+}
+_SLEEPING, _STANDBY, _RUNNING = "sleep", "standby", "run"
+
+
+class PinNet(Protocol):
+    """What the chip needs of the net on its pin."""
+
+    on_first_listener: object
+
+    @property
+    def listened(self) -> bool:
+        """Whether anybody follows the level."""
+        ...
+
+    def set(self, level: bool) -> None:
+        """Drive the level."""
+        ...
+
+
+class Pins(dict[str, "PinNet | None"]):
+    """The nets of the pins; the chip is told when one is put in."""
+
+    def __init__(self, wired: Callable[[], None]) -> None:
+        super().__init__(DRDY=None)
+        self._wired = wired
+
+    def __setitem__(self, pin: str, net: PinNet | None) -> None:
+        super().__setitem__(pin, net)
+        self._wired()
+
+
+class Hmc6343:
+    """One HMC6343. `i2c` is its bus face, `pins` takes the net of DRDY, `reports` tells what was touched
+    outside the documents.
+
+    `clock_error_ppm`: how much its clock is fast. `early`: what comes of a read or command within the delay
+    of the last command: "old" (the response before, the command is lost) or "nack". `serial_number`: 16 bits.
+    `start_ns`: when its supply comes up. `strict`: reports are raised as UndocumentedAccessError.
+    """
+
+    def __init__(
+        self,
+        time: VirtualTime,
+        world: CompassWorld,
+        *,
+        clock_error_ppm: float = 0.0,
+        early: str = "old",
+        serial_number: int = 1,
+        start_ns: int = 0,
+        strict: bool = False,
+        name: str = "HMC6343",
+    ) -> None:
+        if early not in ("old", "nack"):
+            raise ValueError(f'{name}: early = {early!r}; possible: "old", "nack"')
+        if not 0 <= serial_number <= 0xFFFF:
+            raise ValueError(f"{name}: serial_number = {serial_number}; it has 16 bits, e.g. 1234")
+        self.name = name
+        self.log = AccessLog(name, strict=strict)
+        self.pins = Pins(self._listener_arrived)
+        self.eeprom = Eeprom(serial_number, version=5, year=14, week=20)
+        self.i2c = self
+        self.address = self.eeprom[eeprom.SLAVE_ADDRESS] >> 1
+        """At which it is put on its bus."""
+        self._time = time
+        self._nacks = early == "nack"
+        self._measurements = Measurements(world, round(clock_error_ppm * 1000.0))
+        self._speed = I2cSpeed(FASTEST_HZ)
+        self._event: Event | None = None
+        self._powered = True
+        self._power_up(start_ns)
+
+    @property
+    def reports(self) -> list[AccessReport]:
+        """Accesses outside the documents, the first of each kind with its time."""
+        return self.log.reports
+
+    # -- supply ------------------------------------------------------------------------------------
+
+    def power(self, on: bool) -> None:
+        """Switch the supply, now. The EEPROM keeps its content."""
+        if on == self._powered:
+            return
+        self._powered = on
+        if on:
+            self._power_up(self._time.now)
+        else:
+            self._measurements.reset(1, 1)
+            self._schedule(self._time.now)
+
+    def brownout(self) -> None:
+        """A dip of the supply, now."""
+        self.power(False)
+        self.power(True)
+
+    def _power_up(self, time_ns: int) -> None:
+        """Everything from the EEPROM; the part answers after 500 ms, with a measurement if it runs."""
+        memory = self.eeprom
+        self._answers_ns = self._ready_ns = time_ns + POWER_UP_NS
+        self._response = self._old = b""
+        self._live_address = memory[eeprom.SLAVE_ADDRESS] >> 1
+        mode = memory[eeprom.OP_MODE_1]
+        self._filter = memory[eeprom.FILTER] if mode & eeprom.FILTER_ON else 0
+        self._filter_on = mode & eeprom.FILTER_ON
+        self._offsets = np.array([float(memory.word(eeprom.X_OFFSET + 2 * axis)) for axis in range(3)])
+        self._orientation = next((key for key, bit in _ORIENTATION_BITS.items() if mode & bit), code.LEVEL)
+        self._measurements.reset(RATES_HZ[memory[eeprom.OP_MODE_2]], self._filter + 1)
+        self._mode = _STANDBY if mode & eeprom.STANDBY or not mode & eeprom.RUN else _RUNNING
+        if self._mode == _RUNNING:
+            self._measurements.start(self._answers_ns)
+        self._schedule(max(time_ns, self._time.now))
+
+    # -- I²C ---------------------------------------------------------------------------------------
+
+    def listens(self, time_ns: int) -> bool:
+        """Whether the part acknowledges its address."""
+        if not self._powered or time_ns < self._answers_ns:
+            return False
+        return self._live_address == self.address
+
+    def write(self, data: bytes, time_ns: int) -> int:
+        """A command with its arguments. Returns how many bytes were acknowledged."""
+        if not self.listens(time_ns):
+            return 0
+        self._check_speed(self._speed.write(len(data), time_ns), time_ns)
+        if not data:
+            return 0
+        if time_ns < self._ready_ns:
+            self._report(ReportKind.TIMING, "command within the delay of the last one: lost", time_ns)
+            return 0 if self._nacks else len(data)
+        number = ALIASES.get(data[0], data[0])
+        command = COMMANDS.get(number)
+        if command is None:
+            self._report(ReportKind.PROTOCOL, f"unknown command 0x{data[0]:02X}", time_ns)
+        elif len(data) - 1 != command.arguments:
+            detail = f"{command.name}: {len(data) - 1} arguments instead of {command.arguments}: ignored"
+            self._report(ReportKind.PROTOCOL, detail, time_ns)
+        elif self._mode == _SLEEPING and number not in (code.WAKE, code.RESET):
+            self._report(ReportKind.PROTOCOL, f"{command.name} in sleep: ignored", time_ns)
+        else:
+            self._obey(number, command, data[1:], time_ns)
+        return len(data)
+
+    def read(self, length: int, time_ns: int) -> bytes:
+        """The response of the last command; 0xFF beyond it."""
+        if not self.listens(time_ns):
+            return bytes((UNDRIVEN,)) * length
+        self._check_speed(self._speed.read(length, time_ns), time_ns)
+        response = self._response
+        if time_ns < self._ready_ns:
+            self._report(ReportKind.TIMING, "read within the delay of the command: undefined", time_ns)
+            response = b"" if self._nacks else self._old
+        elif length > len(response):
+            self._report(ReportKind.PROTOCOL, "read of more than the response: undefined", time_ns)
+        return response[:length] + bytes((UNDRIVEN,)) * (length - len(response))
+
+    def _check_speed(self, fits: bool, time_ns: int) -> None:
+        if not fits:
+            detail = "clock faster than 100 kHz: undefined, served as if it were slower"
+            self._report(ReportKind.TIMING, detail, time_ns)
+
+    def _report(self, kind: ReportKind, detail: str, time_ns: int) -> None:
+        self.log.report(kind, "I2C", detail, time_ns)
+
+    # -- commands ----------------------------------------------------------------------------------
+
+    def _obey(self, number: int, command: Command, arguments: bytes, time_ns: int) -> None:
+        self._old, self._response = self._response, b""
+        self._ready_ns = time_ns + command.delay_ns
+        if command.response and number != code.READ_EEPROM:
+            self._response = self._answer(number, time_ns)
+        elif number == code.READ_EEPROM:
+            value, wrong = self.eeprom.read(arguments[0])
+            self._response = bytes((value,))
+            self._complain(wrong, time_ns)
+        elif number == code.WRITE_EEPROM:
+            self._complain(self.eeprom.write(arguments[0], arguments[1]), time_ns)
+        elif number in _ORIENTATIONS:
+            self._orientation = number
+        elif number in (code.ENTER_CALIBRATION, code.EXIT_CALIBRATION):
+            self._calibrate(number == code.ENTER_CALIBRATION, time_ns)
+        elif number == code.RESET:
+            self._measurements.reset(1, 1)
+            self._power_up(time_ns)
+        else:
+            self._change_mode(number, command, time_ns)
+
+    def _complain(self, wrong: str, time_ns: int) -> None:
+        if wrong:
+            self._report(ReportKind.RESERVED_VALUE, wrong, time_ns)
+
+    def _change_mode(self, number: int, command: Command, time_ns: int) -> None:
+        wanted = {code.RUN: _STANDBY, code.STANDBY: _RUNNING, code.SLEEP: _RUNNING, code.WAKE: _SLEEPING}[
+            number
+        ]
+        if self._mode != wanted:
+            self._complain(f"{command.name} from {self._mode}; the sheet has it from {wanted}", time_ns)
+        if number == code.WAKE and self._mode != _SLEEPING:
+            return
+        modes = {code.RUN: _RUNNING, code.STANDBY: _STANDBY, code.SLEEP: _SLEEPING, code.WAKE: _STANDBY}
+        before, self._mode = self._mode, modes[number]
+        if self._mode == _RUNNING and before != _RUNNING:
+            self._measurements.start(time_ns + SECOND // self._measurements.rate_hz)
+        elif self._mode != _RUNNING:
+            self._measurements.stop(time_ns)
+        self._schedule(max(time_ns, self._time.now))
+
+    def _calibrate(self, enter: bool, time_ns: int) -> None:
+        measurements = self._measurements
+        if enter and self._mode != _RUNNING:
+            self._complain("enter calibration: only in run mode", time_ns)
+        elif enter:
+            measurements.enter_calibration(time_ns)
+        elif not measurements.calibrating:
+            self._complain("exit calibration: none was entered", time_ns)
+        else:
+            for axis, offset in enumerate(measurements.exit_calibration(time_ns)):
+                if offset is not None:
+                    self.eeprom.set_word(eeprom.X_OFFSET + 2 * axis, offset)
+                    self._offsets[axis] = offset
+
+    # -- responses ---------------------------------------------------------------------------------
+
+    def _answer(self, number: int, time_ns: int) -> bytes:
+        if number == code.POST_OP_MODE:
+            return bytes((self._op_mode(time_ns),))
+        self._measurements.advance(time_ns)
+        rows = self._measurements.rows
+        if not rows:
+            return bytes(COMMANDS[number].response)
+        newest = rows[-1]
+        orientation = _ORIENTATIONS[self._orientation]
+        if number == code.POST_ACCELEROMETER:
+            return _words(*compass.accelerometer_counts(newest[:3]))
+        if number == code.POST_MAGNETOMETER:
+            return _words(*(compass.magnetometer_counts(newest[3:6]) + self._offsets))
+        pitch, roll = compass.tilt(newest[:3], orientation)
+        tilt = (_tenths(pitch), _tenths(roll))
+        if number == code.POST_TILT:
+            return _words(*tilt, round(float(newest[6]) * 10.0))
+        return self._heading().to_bytes(2, "big") + _words(*tilt)
+
+    def _heading(self) -> int:
+        """Tenths of a degree, filtered, with deviation and variation."""
+        orientation = _ORIENTATIONS[self._orientation]
+        offset = self._offsets * compass.TESLA_PER_COUNT
+        limit = compass.FIELD_LIMIT_T
+        headings = [
+            compass.heading(row[:3], np.clip(row[3:6], -limit, limit) + offset, orientation)
+            for row in self._measurements.rows
+        ]
+        added = self.eeprom.word(eeprom.DEVIATION) + self.eeprom.word(eeprom.VARIATION)
+        return round(compass.weighted_heading(headings) * 10.0 + added) % 3600
+
+    def _op_mode(self, time_ns: int) -> int:
+        """OP mode 1 as it is now."""
+        next_ns = self._measurements.next_ns(time_ns)
+        computing = next_ns is not None and next_ns - time_ns <= LOW_NS[self._measurements.rate_hz]
+        return (
+            (eeprom.COMPUTING if computing else 0)
+            | (eeprom.CALIBRATING if self._measurements.calibrating else 0)
+            | self._filter_on
+            | (eeprom.RUN if self._mode == _RUNNING else 0)
+            | (eeprom.STANDBY if self._mode == _STANDBY else 0)
+            | _ORIENTATION_BITS[self._orientation]
+        )
+
+    # -- data ready --------------------------------------------------------------------------------
+
+    def _schedule(self, time_ns: int) -> None:
+        """Low before each measurement is stored, high from then on; low while nothing is measured."""
+        if self._event is not None:
+            self._event.cancel()
+            self._event = None
+        net = self.pins["DRDY"]
+        if net is None:
+            return
+        net.on_first_listener = self._listener_arrived
+        if not net.listened:
+            return
+        next_ns = self._measurements.next_ns(time_ns) if self._powered else None
+        if next_ns is None:
+            net.set(False)
+            return
+        falls_ns = next_ns - LOW_NS[self._measurements.rate_hz]
+        low = time_ns >= falls_ns or time_ns < self._answers_ns or next_ns == self._measurements.next_ns(0)
+        net.set(not low)
+        self._event = self._time.at(next_ns if low else falls_ns, self._change_pin)
+
+    def _change_pin(self) -> int | None:
+        net = self.pins["DRDY"]
+        now = self._time.now
+        next_ns = self._measurements.next_ns(now)
+        if net is None or next_ns is None or not net.listened:
+            self._event = None
+            return None
+        falls_ns = next_ns - LOW_NS[self._measurements.rate_hz]
+        net.set(now < falls_ns)
+        return falls_ns if now < falls_ns else next_ns
+
+    def _listener_arrived(self) -> None:
+        self._schedule(self._time.now)
+
+
+def _tenths(degrees: float) -> int:
+    """Tenths of a degree within ±90.0."""
+    return max(-900, min(900, round(degrees * 10.0)))
+
+
+def _words(*values: float) -> bytes:
+    """Signed 16 bits, big endian, saturated."""
+    return b"".join(max(-32768, min(32767, round(float(v)))).to_bytes(2, "big", signed=True) for v in values)

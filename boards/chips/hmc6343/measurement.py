@@ -1,0 +1,109 @@
+"""The measurements of run mode on the chip's own clock, worked off when somebody asks."""
+
+from __future__ import annotations
+
+from collections import deque
+
+import numpy as np
+from numpy.typing import NDArray
+
+from boards.chips.hmc6343.compass import magnetometer_counts
+from boards.chips.oscillator import Oscillator
+from boards.chips.world import CompassWorld
+
+RATES_HZ = {0x00: 1, 0x01: 5, 0x02: 10}
+"""Of OP mode 2."""
+SECOND = 1_000_000_000
+_LONGEST_BLOCK = 4_096
+
+_MINIMUM_SPAN = 1_000.0
+"""Counts (100 mgauss) that an axis must have seen in a calibration, else its offset stays."""
+
+_FIELD = slice(3, 6)
+
+
+class Measurements:
+    """The newest measurements, and the extremes of the field while a calibration runs."""
+
+    def __init__(self, world: CompassWorld, error_ppb: int) -> None:
+        self._world = world
+        self._error_ppb = error_ppb
+        self._clock: Oscillator | None = None
+        self._done = 0
+        self.rate_hz = 5
+        self.rows: deque[NDArray[np.float64]] = deque(maxlen=1)
+        """Force, field, temperature; the newest last."""
+        self._low: NDArray[np.float64] | None = None
+        self._high = np.zeros(3)
+
+    def reset(self, rate_hz: int, depth: int) -> None:
+        """Nothing measured yet; `depth` measurements are kept."""
+        self._clock = None
+        self.rate_hz = rate_hz
+        self.rows = deque(maxlen=depth)
+        self._low = None
+
+    @property
+    def running(self) -> bool:
+        """Run mode."""
+        return self._clock is not None
+
+    def start(self, first_ns: int) -> None:
+        """Measure from `first_ns` on; until then the newest measurement still shows."""
+        period = Oscillator(self.rate_hz, 0, self._error_ppb).instant(1)
+        self._clock = Oscillator(self.rate_hz, first_ns - period, self._error_ppb)
+        self._done = 0
+
+    def stop(self, time_ns: int) -> None:
+        """No more measurements."""
+        self.advance(time_ns)
+        self._clock = None
+
+    def next_ns(self, time_ns: int) -> int | None:
+        """When the first measurement after `time_ns` is stored."""
+        clock = self._clock
+        return None if clock is None else clock.instant(clock.tick(time_ns) + 1)
+
+    def advance(self, time_ns: int) -> None:
+        """Take the measurements up to a time: all while a calibration runs, else those that are kept."""
+        clock = self._clock
+        if clock is None:
+            return
+        tick = clock.tick(time_ns)
+        if self._low is None:
+            assert self.rows.maxlen is not None
+            self._done = max(self._done, tick - self.rows.maxlen)
+        while self._done < tick:
+            count = min(tick - self._done, _LONGEST_BLOCK)
+            values = self._world.sample(clock.grid(self._done + 1, 1, count))
+            if not self._done:
+                self.rows.clear()  # the filter begins anew
+            self._done += count
+            self.rows.extend(values)
+            if self._low is not None:
+                counts = magnetometer_counts(values[:, _FIELD])
+                self._low = np.minimum(self._low, counts.min(axis=0))
+                self._high = np.maximum(self._high, counts.max(axis=0))
+
+    # -- calibration -------------------------------------------------------------------------------
+
+    @property
+    def calibrating(self) -> bool:
+        """Between entering and leaving a calibration."""
+        return self._low is not None
+
+    def enter_calibration(self, time_ns: int) -> None:
+        """Watch the field from now on."""
+        self.advance(time_ns)
+        self._low, self._high = np.full(3, np.inf), np.full(3, -np.inf)
+
+    def exit_calibration(self, time_ns: int) -> list[int | None]:
+        """The offsets that centre what was seen (counts); None for an axis that saw too little."""
+        self.advance(time_ns)
+        assert self._low is not None
+        span, middle = self._high - self._low, (self._high + self._low) / 2.0
+        self._low = None
+        return [
+            -round(float(centre)) if width >= _MINIMUM_SPAN else None
+            for width, centre in zip(span, middle, strict=True)
+        ]
