@@ -34,6 +34,8 @@ ANSWER_S = 0.02
 """For the answer to one of them; a USB adapter may keep it for 16 ms."""
 QUIET_S = 0.03
 REPLY_S = 0.3
+SLOWEST_BYTE_S = 0.001
+"""Each further byte of a reply may take so long."""
 SLICE_BYTES = 128
 """Sent before its replies are read, so that neither side's buffers fill up."""
 SHOWN_BYTES = 24
@@ -140,24 +142,23 @@ class BusPirate:
     def _quiet(self) -> bytearray:
         """Read until nothing more comes; at most a few times QUIET_S."""
         heard = bytearray()
-        deadline = time.monotonic() + 10 * QUIET_S
-        while time.monotonic() < deadline:
-            piece = self._read(256, QUIET_S)
-            if not piece:
-                break
-            heard += piece
+        now = quiet_since = time.monotonic()
+        end = now + 10 * QUIET_S
+        while now < end and now - quiet_since < QUIET_S:
+            piece = self._port.read(max(1, self._port.in_waiting))
+            now = time.monotonic()
+            if piece:
+                heard += piece
+                quiet_since = now
         return heard
 
     def _read(self, count: int, patience_s: float) -> bytes:
-        """`count` bytes, or what has come when nothing came for that long."""
+        """`count` bytes, or what has come by the time that they may take."""
         data = bytearray()
-        deadline = time.monotonic() + patience_s
+        deadline = time.monotonic() + patience_s + count * SLOWEST_BYTE_S
         while len(data) < count:
-            piece = self._port.read(min(count - len(data), max(1, self._port.in_waiting)))
-            if piece:
-                data += piece
-                deadline = time.monotonic() + patience_s
-            elif time.monotonic() >= deadline:
+            data += self._port.read(min(count - len(data), max(1, self._port.in_waiting)))
+            if len(data) < count and time.monotonic() >= deadline:
                 break
         return bytes(data)
 

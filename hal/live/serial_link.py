@@ -177,9 +177,10 @@ class SerialLink:
                 self._lose(port, error)
                 continue
             with self._wake:
-                del self._queue[: len(chunk)]
-                self.counters.bytes_sent += len(chunk)
-                self._wake.notify_all()
+                if self._port is port:  # otherwise the queue was given up meanwhile
+                    del self._queue[: len(chunk)]
+                    self.counters.bytes_sent += len(chunk)
+                    self._wake.notify_all()
 
     def _lose(self, port: Any, error: Exception) -> None:
         """The port has vanished, or was closed by ourselves."""

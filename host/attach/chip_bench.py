@@ -138,6 +138,8 @@ def _record(request: ChipRequest) -> Iterator[Recording | None]:
         yield None
         return
     part = path.with_name(path.name + ".part")
+    if path.is_dir():
+        raise UserError(f"--record {path}: is a folder; name a file, e.g. {path / 'desk.txt'}")
     try:
         file: TextIO = part.open("w")
     except OSError as error:

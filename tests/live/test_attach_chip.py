@@ -178,6 +178,7 @@ def test_a_bridge_that_is_unplugged_for_a_while_goes_on(tmp_path: Path) -> None:
         (["adxl345", "--port", "P", "--speed", "8000000"], "--speed 8000000: for a adxl345 the bridge's spi"),
         (["bmi160", "--port", "P", "--speed", "30000"], "--speed 30000: for a bmi160 the bridge's spi has"),
         (["bmi160", "--port", "/dev/ttyUSB97", "--record", "/nowhere/x.txt"], "--record /nowhere/x.txt"),
+        (["bmi160", "--port", "/dev/ttyUSB97", "--record", "/tmp"], "--record /tmp: is a folder"),
         (["bmi160", "--port", ""], "there is no such port"),
         (["bmi160", "--port", "/dev/null"], "/dev/null is not a serial port"),
     ],

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from pathlib import Path
+from threading import Event, Thread
 from unittest import mock
 
 import numpy as np
@@ -58,6 +59,24 @@ def test_a_device_that_says_something_else_is_quoted(tmp_path: Path) -> None:
     message = refusal(tmp_path, lambda _data: b"$GNRMC,,V*37\r\n")
     assert "'$GNRMC,,V*37..$GNRMC,,V*" in message
     assert "instead of BBIO1" in message
+
+
+def test_a_device_that_never_stops_talking_is_no_bus_pirate(tmp_path: Path) -> None:
+    stop = Event()
+    with PtyPort(tmp_path / "ttyTALK") as port:
+
+        def talk() -> None:
+            while not stop.wait(0.003):
+                port.send(b"talk")
+
+        talker = Thread(target=talk, daemon=True)
+        talker.start()
+        begin = time.monotonic()
+        with pytest.raises(BusPirateError, match="instead of BBIO1"):
+            BusPirateSpi(LiveCpu(), str(port.path))
+        assert time.monotonic() - begin < 2.0
+        stop.set()
+        talker.join()
 
 
 def test_an_echo_is_no_bus_pirate(tmp_path: Path) -> None:
