@@ -7,6 +7,7 @@ that sends and one that receives; the run only puts frames into a queue and take
 from __future__ import annotations
 
 import contextlib
+import logging
 import queue
 import threading
 import time
@@ -139,6 +140,7 @@ def _opened(place: CanPlace, bitrate: int) -> tuple[Any, tuple[type[Exception], 
     options: dict[str, Any] = {"bitrate": bitrate}
     if place.interface == "udp_multicast":
         options["fd"] = False
+    logging.getLogger("can").setLevel(logging.CRITICAL)  # what matters is told below
     try:
         bus = can.Bus(interface=place.interface, channel=place.channel, **options)
     except (*errors, ImportError, TypeError, AttributeError) as error:

@@ -22,21 +22,21 @@ MOST_CLIENTS = 16
 
 
 class ControlChannel:
-    """Listens for commands and has them done by `do`, when `attend` is called."""
+    """Listens for commands, and has them done when `attend` is called."""
 
-    def __init__(self, address: Address, hub: Hub, terms: Terms, do: Callable[[Any], Reply]) -> None:
+    def __init__(self, address: Address, hub: Hub, terms: Terms) -> None:
         """Raises UserError."""
-        self._hub, self._terms, self._do = hub, terms, do
+        self._hub, self._terms = hub, terms
         self._listener = listen(address, "--control")
         host, port = self._listener.getsockname()[:2]
         self.where = str(Address(host, port))
         self._sessions: list[_Caller] = []
         hub.watch(self._listener, self._accept)
 
-    def attend(self) -> None:
-        """Do what has been asked by now."""
+    def attend(self, do: Callable[[Any], Reply]) -> None:
+        """Have done what has been asked by now."""
         for caller in self._sessions:
-            caller.attend(self._do)
+            caller.attend(do)
         self._sessions = [caller for caller in self._sessions if not caller.over]
 
     def close(self) -> None:

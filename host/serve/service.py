@@ -12,6 +12,7 @@ from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
+from boards.description import Board
 from hal.can import CanFrame
 from host.record.errors import UserError
 from host.record.result import RunRequest, RunResult
@@ -24,7 +25,7 @@ from host.serve.can_adapter import CanAdapter
 from host.serve.can_line import CanLine
 from host.serve.commands import Commands, check_pace
 from host.serve.control import ControlChannel
-from host.serve.endpoint import Endpoint, Tell, Terms
+from host.serve.endpoint import Tell, Terms
 from host.serve.hub import Hub
 from host.serve.pacing import FAST_SLICE_NS, SLICE_S, PacedRun
 from host.serve.places import can_places, uart_endpoints
@@ -55,44 +56,69 @@ class Wanted:
     """Called about once a second."""
 
 
+class OpenPlaces:
+    """The places of one board, there for clients before the board itself is: they may be taken or missing.
+
+    Lines for people go to `tell`, and are kept in `said` for the capture.
+    """
+
+    def __init__(self, wanted: Wanted, board: Board, closing: ExitStack) -> None:
+        """Raises UserError; what was opened is closed by `closing`."""
+        self.hub = Hub()
+        closing.callback(self.hub.close)
+        self.said: list[str] = []
+        self.terms: list[Terms] = []
+        self._wanted = wanted
+        self.uarts = uart_endpoints(wanted.uarts, board, wanted.allow_remote)
+        self.uart_terms = {name: self._new_terms() for name in self.uarts}
+        cans = can_places(wanted.cans, board)
+        for name, endpoint in self.uarts.items():
+            endpoint.open(self.hub, self.uart_terms[name])
+            closing.callback(endpoint.close)
+        self.control: ControlChannel | None = None
+        if wanted.control is not None:
+            self.control = ControlChannel(wanted.control, self.hub, self._new_terms())
+            closing.callback(self.control.close)
+        self.cans: dict[str, CanAdapter] = {}
+        for place in cans:
+            self.cans[place.bus] = CanAdapter(place, board.can[place.bus].bitrate, self._new_terms())
+            closing.callback(self.cans[place.bus].close)
+
+    def tell(self, line: str) -> None:
+        """To people, and into the capture as soon as there is one."""
+        self._wanted.tell(line)
+        self.said.append(line)
+
+    def _new_terms(self) -> Terms:
+        terms = Terms(self.tell, self._wanted.stall_s, not self._wanted.pace)
+        self.terms.append(terms)
+        return terms
+
+
 class Service:
     """A board and its places. Implements `host.serve.pacing.Outside`."""
 
-    def __init__(self, session: RunSession, wanted: Wanted, endpoints: dict[str, Endpoint]) -> None:
+    def __init__(self, session: RunSession, wanted: Wanted, places: OpenPlaces) -> None:
         self.session = session
         self.wanted = wanted
-        self.hub = Hub()
         self.paced = PacedRun(session, self, wanted.pace)
         self.commands = Commands(session, self.paced, lambda: status_of(self))
-        self.uarts = [UartLine(session.board, name, endpoint) for name, endpoint in endpoints.items()]
-        self.cans: list[CanLine] = []
-        self.control: ControlChannel | None = None
-        self._terms: list[Terms] = []
+        self._places = places
         self._in_a_hurry = False
-
-    def open(self, closing: ExitStack) -> None:
-        """Be there for clients. Raises UserError."""
-        closing.callback(self.hub.close)
-        tell = self._told
+        board = session.board
+        self.uarts = [UartLine(board, name, endpoint) for name, endpoint in places.uarts.items()]
         for line in self.uarts:
-            line.endpoint.open(self.hub, self._new_terms(lambda line=line: line.baud))  # type: ignore[misc]
-            closing.callback(line.endpoint.close)
-            tell(f"UART {line.name}, {line.leads_to}: {line.endpoint.where}")
-        board = self.session.board
-        for place in can_places(self.wanted.cans, self.session.setup.board):
-            bus = board.can_buses[place.bus]
-            adapter = CanAdapter(place, bus.bitrate, self._new_terms(None))
-            closing.callback(adapter.close)
-            self.commands.log("serve-can", {"bus": place.bus})
-            self.cans.append(CanLine(bus, adapter, self._log_frames))
-            tell(f"CAN {place.bus}: {adapter.where}")
-        if self.wanted.control is not None:
-            self.control = ControlChannel(
-                self.wanted.control, self.hub, self._new_terms(None), self.commands.do
-            )
-            closing.callback(self.control.close)
-            tell(f"control: {self.control.where}")
-        if self.wanted.paused:
+            places.uart_terms[line.name].line_baud = lambda line=line: line.baud
+            places.tell(f"UART {line.name}, {line.leads_to}: {line.endpoint.where}")
+        self.cans = []
+        for name, adapter in places.cans.items():
+            self.commands.log("serve-can", {"bus": name})
+            self.cans.append(CanLine(board.can_buses[name], adapter, self._log_frames))
+            places.tell(f"CAN {name}: {adapter.where}")
+        self._control = places.control
+        if self._control is not None:
+            places.tell(f"control: {self._control.where}")
+        if wanted.paused:
             self.paced.pause()
 
     def serve(self) -> RunResult:
@@ -127,13 +153,14 @@ class Service:
     def wait(self, seconds: float) -> None:
         """Wait for clients and commands."""
         lossless = not self.paced.pace
-        for terms in self._terms:
+        for terms in self._places.terms:
             terms.lossless = lossless
-        self.hub.wait(seconds)
+        self._places.hub.wait(seconds)
         for line in self.uarts:
             line.endpoint.attend()
-        if self.control is not None:
-            self.control.attend()
+        if self._control is not None:
+            self._control.attend(self.commands.do)
+        self._note_what_was_said()
 
     def holds_up(self) -> bool:
         """Whether somebody who reads has not been given everything."""
@@ -156,20 +183,16 @@ class Service:
             finished = [line.endpoint.finish() for line in self.uarts]
             if all(finished):
                 break
-            self.hub.wait(FINISH_WAIT_S)
+            self._places.hub.wait(FINISH_WAIT_S)
         for line in self.uarts:
             if line.endpoint.backlog:
-                self._told(f"UART {line.name}: a client that did not read misses the end")
+                self._places.tell(f"UART {line.name}: a client that did not read misses the end")
+        self._note_what_was_said()
 
-    def _new_terms(self, line_baud: Callable[[], int] | None) -> Terms:
-        terms = Terms(self._told, self.wanted.stall_s, not self.wanted.pace, line_baud)
-        self._terms.append(terms)
-        return terms
-
-    def _told(self, line: str) -> None:
-        """To people, and into the capture."""
-        self.wanted.tell(line)
-        self.session.recorder.add_event(self.session.now_ns, "serve", line)
+    def _note_what_was_said(self) -> None:
+        said, self._places.said = self._places.said, []
+        for line in said:
+            self.session.recorder.add_event(self.session.now_ns, "serve", line)
 
     def _log_frames(self, bus: str, frames: Sequence[CanFrame]) -> None:
         self.commands.log("can-frames", {"bus": bus, "frames": [text_of_frame(frame) for frame in frames]})
@@ -185,12 +208,9 @@ def opened(request: RunRequest, wanted: Wanted) -> Iterator[Service]:
         check_local(wanted.control, "--control", wanted.allow_remote)
     with user_errors():
         board = resolve(request).board
-    endpoints = uart_endpoints(wanted.uarts, board, wanted.allow_remote)
-    can_places(wanted.cans, board)
-    with open_session(request) as session, ExitStack() as closing:
-        service = Service(session, wanted, endpoints)
-        service.open(closing)
-        yield service
+    with ExitStack() as closing:
+        places = OpenPlaces(wanted, board, closing)
+        yield Service(closing.enter_context(open_session(request)), wanted, places)
 
 
 def figures_of(service: Service) -> dict[str, Any]:

@@ -104,6 +104,11 @@ class ServedHere(Board):
             self.service.stop()
             self._thread.join(20.0)
 
+    @property
+    def alive(self) -> bool:
+        """Whether it still runs."""
+        return self._thread.is_alive()
+
     def ended(self, limit_s: float = 120.0) -> dict[str, Any]:
         """Wait for its end."""
         self._thread.join(limit_s)

@@ -1,0 +1,124 @@
+"""Programs that nobody here wrote: socat, gpsd with gpspipe, candump-like loggers. Skipped where they are not
+installed (apt-get install socat gpsd gpsd-clients)."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import socket
+import subprocess
+import sys
+import time
+
+import pytest
+from served_board import ServedHere
+
+
+def needs(*programs: str) -> pytest.MarkDecorator:
+    missing = [program for program in programs if shutil.which(program) is None]
+    return pytest.mark.skipif(bool(missing), reason=f"not installed: {', '.join(missing)}")
+
+
+@needs("socat")
+@pytest.mark.parametrize("place", ["pty", "tcp"])
+def test_socat_gets_every_byte(place, tmp_path):
+    link = tmp_path / "tty"
+    uart = {"pty": f"pty:{link}", "tcp": "tcp://127.0.0.1:0"}[place]
+    with ServedHere(None, f"host={uart}", duration_s=30.0) as board:
+        source = f"FILE:{link},rawer" if place == "pty" else board.places["host"].replace("tcp://", "TCP:")
+        reader = subprocess.Popen(
+            ["socat", "-u", source, "STDOUT"], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+        )
+        while not board.control.ask("status")["uarts"][0]["clients_now"]:
+            time.sleep(0.02)
+        board.control.ask("resume")
+        result = board.ended()
+        came, _ = reader.communicate(timeout=20.0)
+    (sent,) = result["serve"]["uarts"]
+    assert len(came) == sent["bytes_sent"]
+    assert hashlib.sha256(came).hexdigest() == sent["sha256_sent"]
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@needs("gpsd", "gpspipe")
+@pytest.mark.parametrize("place", ["pty", "tcp"])
+def test_gpsd_recognises_the_receiver_and_tells_where_the_board_is(place, tmp_path):
+    link = tmp_path / "gnss"
+    uart = {"pty": f"pty:{link}", "tcp": "tcp://127.0.0.1:0"}[place]
+    port = free_port()
+    with ServedHere(None, f"gnss={uart}", duration_s=1e6, pace=4.0) as board:
+        board.control.ask("resume")
+        board.control.until(6.0)
+        device = str(link) if place == "pty" else board.places["gnss"]
+        daemon = subprocess.Popen(
+            ["gpsd", "-N", "-n", "-b", "-S", str(port), device], stderr=subprocess.DEVNULL
+        )
+        try:
+            report = first_fix(port)
+        finally:
+            daemon.terminate()
+            daemon.wait(10.0)
+        board.control.ask("stop")
+        board.ended()
+    assert report["lat"] == pytest.approx(30.5278, abs=2e-4)
+    assert report["lon"] == pytest.approx(114.3557, abs=2e-4)
+    assert report["mode"] == 3
+    assert report["time"].startswith("2024-05-14T08:0")
+
+
+def first_fix(port: int) -> dict:
+    """The first report of gpsd with a three-dimensional fix, as gpspipe prints it."""
+    end = time.monotonic() + 40.0
+    while time.monotonic() < end:
+        done = subprocess.run(
+            ["gpspipe", "-w", "-n", "30", "-x", "8", f"127.0.0.1:{port}"], capture_output=True, text=True
+        )
+        for line in done.stdout.splitlines():
+            report = json.loads(line)
+            if report.get("class") == "TPV" and report.get("mode") == 3 and "lat" in report:
+                return report
+        time.sleep(0.2)
+    raise AssertionError("gpsd told no fix within 40 s")
+
+
+CAN_LOGGER = """
+import can, json, sys
+bus = can.Bus(interface="udp_multicast", channel=sys.argv[1], fd=False)
+print("open", flush=True)
+for data in (b"\\x01", b"\\x02\\x03"):
+    bus.send(can.Message(arbitration_id=0x123, data=data, is_extended_id=False))
+heard = []
+while (message := bus.recv(3.0)) is not None:
+    heard.append([message.arbitration_id, bytes(message.data).hex()])
+json.dump(heard, sys.stdout)
+bus.shutdown()
+"""
+
+
+def test_a_can_logger_in_another_process_hears_the_board_and_is_heard():
+    pytest.importorskip("msgpack")
+    channel = "239.74.163.77"
+    with ServedHere(None, duration_s=1e6, pace=10.0, cans=(f"can1=udp_multicast:{channel}",)) as board:
+        logger = subprocess.Popen(
+            [sys.executable, "-c", CAN_LOGGER, channel], stdout=subprocess.PIPE, text=True
+        )
+        assert logger.stdout is not None
+        assert logger.stdout.readline() == "open\n"
+        board.control.ask("resume")
+        board.control.until(10.0)
+        board.control.ask("stop")
+        result = board.ended()
+        heard = json.loads(logger.communicate(timeout=30.0)[0])
+    (can,) = result["serve"]["can"]
+    assert can["frames_written"] == 2
+    assert 0 < len(heard) <= can["frames_sent"]
+    assert len(heard) > 0.9 * can["frames_sent"]  # multicast may lose some
+    assert 0x123 not in {identifier for identifier, _data in heard}
+    can1 = next(bus for bus in result["buses"] if bus["name"] == "can1")
+    assert can1["transactions"] == can["frames_sent"] + 2
