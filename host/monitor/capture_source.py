@@ -7,7 +7,6 @@ to back; records that stand in it a little out of order are put into theirs. A j
 from __future__ import annotations
 
 import heapq
-import json
 import time
 from collections.abc import Iterator
 from itertools import count
@@ -16,9 +15,9 @@ from pathlib import Path
 from host.capture.blocks import LinePiece, UartChunk, unpack
 from host.capture.places import capture_path
 from host.capture.reader import CaptureReader
-from host.link.messages import Message
-from host.monitor.capture_rows import KNOWN, message_of
+from host.monitor.capture_rows import SHOWN, Rows, is_shown
 from host.monitor.pace import Pace
+from host.monitor.state import Shown
 from host.monitor.view import MonitorView
 from host.monitor.words import duration
 from host.record.errors import UserError
@@ -32,7 +31,7 @@ DATED_NS = 30 * 86_400 * 1_000_000_000
 SEEK_S = 10.0
 PIECES_A_LOOK = 64
 
-Piece = tuple[int, bytes | tuple[int, Message]]
+Piece = tuple[int, bytes | tuple[int, Shown]]
 """Time in ns, and bytes of a line or a message."""
 
 
@@ -61,8 +60,8 @@ class CaptureSource:
             self._origin_ns = self._next[0]
         if self._next is None:
             raise UserError(
-                f"capture {self._path}: nothing to show; it holds neither {BOARD_LINE} nor any of"
-                f" {', '.join(sorted(KNOWN))} nor the line of a receiver"
+                f"capture {self._path}: nothing to show; it holds neither {BOARD_LINE} nor the line of a"
+                f" receiver nor any of {', '.join(SHOWN)}"
             )
 
     @property
@@ -145,23 +144,24 @@ class CaptureSource:
             view.source += ", the file is not whole"
 
     def _played(self) -> Iterator[Piece]:
-        line = self._line()
-        if line is not None:
-            yield from self._bytes_of(line)
-        else:
-            yield from _in_order(self._rows())
+        topics = self._topics()
+        rows = {topic for topic in topics if is_shown(topic)}
+        lines = sorted(t for t in topics if t.startswith("/uart/") and t.endswith("/rx"))
+        if BOARD_LINE in topics:
+            yield from self._bytes_of(BOARD_LINE)
+        elif rows:
+            yield from _in_order(self._rows(Rows("/solution" in rows), rows | {"/event"}))
+        elif lines:
+            yield from self._bytes_of(lines[0])
 
-    def _line(self) -> str | None:
-        """The raw line to listen to; None: there are rows, or nothing."""
-        seen: set[str] = set()
+    def _topics(self) -> set[str]:
+        """Topics with messages in the file; not all of them, when the board's line is one."""
+        topics: set[str] = set()
         for message in CaptureReader(self._path).messages():
+            topics.add(message.topic)
             if message.topic == BOARD_LINE:
-                return BOARD_LINE
-            seen.add(message.topic)
-        if seen & KNOWN - {"/event"}:
-            return None
-        lines = sorted(topic for topic in seen if topic.startswith("/uart/") and topic.endswith("/rx"))
-        return lines[0] if lines else None
+                break
+        return topics
 
     def _bytes_of(self, line: str) -> Iterator[Piece]:
         for message in self._reader.messages():
@@ -170,10 +170,10 @@ class CaptureSource:
                     if isinstance(record, UartChunk | LinePiece):
                         yield record.end_ns, record.data
 
-    def _rows(self) -> Iterator[Piece]:
+    def _rows(self, rows: Rows, topics: set[str]) -> Iterator[Piece]:
         for raw in self._reader.messages():
-            if raw.topic in KNOWN and raw.encoding == "json":
-                message = message_of(raw.topic, raw.time_ns, json.loads(raw.data))
+            if raw.topic in topics and raw.encoding == "json":
+                message = rows.message(raw.topic, raw.time_ns, raw.data)
                 if message is not None:
                     yield raw.time_ns, message
 

@@ -21,6 +21,8 @@ NAME_WIDTH = 12
 
 def link_lines(state: BoardState, link: LinkHealth, width: int, height: int) -> list[Text]:
     """Rates, errors and lateness of the line, the flags in words, then what the board says of its inputs."""
+    if link.bytes == 0 and link.frames == 0 and state.seen_s:
+        return [Text("rows of a recording: no line to judge", "dim")]
     late = "-" if link.late_ms is None else f"{number(link.late_ms, 0)} ms"
     rates = [[(f"{number(link.messages_per_s, 1)} msg/s", "")], [(f"{count(link.bytes_per_s)} B/s", "")]]
     errors = [_bad("bad CRC", link.bad_crc), _bad("garbage B", link.garbage_bytes)]
@@ -75,6 +77,10 @@ def imu_lines(state: BoardState, width: int, height: int) -> list[Text]:
     if solution is not None:
         rates = (solution.omega_x, solution.omega_y, solution.omega_z)
         lines.append(_three("rate °/s", tuple(map(degrees, rates)), 2, "bold"))
+    elif state.inertial is not None:
+        lines.append(_three("rate °/s", tuple(map(degrees, state.inertial.rates)), 2, "bold"))
+    if state.inertial is not None:
+        lines.append(_three("force m/s²", state.inertial.forces, 2, "bold"))
     if bias is None:
         return [*lines, Text("no biases yet", "dim")]
     values, sigmas = bias.values, bias.sigmas

@@ -20,28 +20,27 @@ UNDEFINED_COURSE_MPS = 0.3
 def attitude_lines(state: BoardState, width: int, height: int) -> list[Text]:
     """Horizon, compass, and the three angles with σ."""
     solution = state.solution
-    if solution is None:
+    seen = solution or state.attitude
+    if seen is None:
         return [Text("no attitude yet" if state.gnss is None else "no attitude from a receiver", "dim")]
-    numbers = _angles(solution)
+    sigmas = attitude_sigmas(solution) if solution is not None else (math.nan,) * 3
+    numbers = _angles((seen.yaw, seen.pitch, seen.roll), sigmas)
     left = height - len(numbers) - 1
     if left < LEAST_HORIZON:
         return numbers
-    pitch, roll, yaw = degrees(solution.pitch), degrees(solution.roll), degrees(solution.yaw)
+    pitch, roll, yaw = degrees(seen.pitch), degrees(seen.roll), degrees(seen.yaw)
     return [*horizon(pitch, roll, width, left), compass(yaw, width), *numbers]
 
 
-def _angles(solution: Solution) -> list[Text]:
-    sigmas = attitude_sigmas(solution)
+def _angles(angles: tuple[float, float, float], sigmas: tuple[float, ...]) -> list[Text]:
     return [
         Text.assemble(
             f"{name:<6}",
             (number(degrees(angle), 2, 8) + "°", "bold"),
-            (f" ±{number(degrees(sigma), 2)}°", "dim"),
+            (f" ±{number(degrees(sigma), 2)}°" if math.isfinite(sigma) else "", "dim"),
             no_wrap=True,
         )
-        for name, angle, sigma in zip(
-            ("yaw", "pitch", "roll"), (solution.yaw, solution.pitch, solution.roll), sigmas, strict=True
-        )
+        for name, angle, sigma in zip(("yaw", "pitch", "roll"), angles, sigmas, strict=True)
     ]
 
 

@@ -21,6 +21,7 @@ from host.link.messages import (
     TaskFigures,
     Tasks,
 )
+from host.monitor.recorded import Attitude, Inertial
 from host.monitor.track import Track
 
 EVENTS_KEPT = 200
@@ -31,7 +32,9 @@ RESTART_US = 1_000_000
 """Board time that goes back by more than this is another start of the board."""
 US = 1e-6
 WRAP = 1 << 32
-STANDS = ("", " (2D)", " (3D)")
+
+Shown = Message | Inertial | Attitude
+"""What the view can take."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +64,9 @@ class BoardState:
         self.bias: Bias | None = None
         self.innovation: Innovation | None = None
         self.innovations: deque[Innovation] = deque(maxlen=INNOVATIONS_KEPT)
+        self.inertial: Inertial | None = None
+        self.attitude: Attitude | None = None
+        """Both of recordings without a board's solution."""
         self.satellites: tuple[SatelliteInView, ...] | None = None
         """None: no list was sent so far."""
         self.tasks: dict[str, TaskLoad] = {}
@@ -78,7 +84,7 @@ class BoardState:
         self._list: list[SatelliteInView] = []
         self._list_next = 0
 
-    def take(self, kind: int, message: Message, at_s: float) -> None:
+    def take(self, kind: int, message: Shown, at_s: float) -> None:
         """One message that came at `at_s`, s of the source's clock."""
         self.at_s = at_s
         self.seen_s[kind] = at_s
@@ -91,14 +97,14 @@ class BoardState:
                 self._note_time(message.time_us)
                 self.status = message
             case Gnss():
-                self.gnss = message
-                if message.flags & HAS_POSITION:
-                    self.track.add_gnss(message.lat_nanodeg, message.lon_nanodeg)
+                self._take_gnss(message)
             case Bias():
                 self.bias = message
             case Innovation():
                 self.innovation = message
                 self.innovations.append(message)
+            case Inertial() | Attitude():
+                self._take_recorded(message)
             case Satellites():
                 self._take_satellites(message)
             case Tasks():
@@ -137,6 +143,17 @@ class BoardState:
         if self.is_navigating:
             yaw = solution.yaw if math.isfinite(solution.yaw) else 0.0
             self.track.add_fused(solution.lat_nanodeg, solution.lon_nanodeg, yaw)
+
+    def _take_gnss(self, epoch: Gnss) -> None:
+        self.gnss = epoch
+        if epoch.flags & HAS_POSITION:
+            self.track.add_gnss(epoch.lat_nanodeg, epoch.lon_nanodeg)
+
+    def _take_recorded(self, message: Inertial | Attitude) -> None:
+        if isinstance(message, Attitude):
+            self.attitude = message
+        else:
+            self.inertial = message.completed_from(self.inertial)
 
     def _take_satellites(self, part: Satellites) -> None:
         """Parts come in order; a list with a part missing is not shown."""

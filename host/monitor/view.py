@@ -18,14 +18,14 @@ from rich.segment import Segment
 from rich.text import Text
 
 from host.link.decoder import LinkDecoder
-from host.link.messages import Message, Solution, Status
+from host.link.messages import Solution, Status
 from host.monitor.health_panels import event_lines, imu_lines, innovation_lines, link_lines, task_lines
 from host.monitor.link_health import LinkHealth
 from host.monitor.listener import Listener
 from host.monitor.map import TrackMap
 from host.monitor.motion_panels import attitude_lines, motion_lines
 from host.monitor.receiver_panels import satellite_lines, sky_lines
-from host.monitor.state import BoardState
+from host.monitor.state import BoardState, Shown
 from host.monitor.words import duration, mode_name, mode_style
 
 Lines = Callable[[int, int], list[Text]]
@@ -74,7 +74,7 @@ class MonitorView:
         self.state.at_s = max(self.state.at_s, at_s)
         self.link.note(at_s)
 
-    def take(self, messages: Iterable[tuple[int, Message]], at_s: float) -> None:
+    def take(self, messages: Iterable[tuple[int, Shown]], at_s: float) -> None:
         """Messages that came at `at_s`."""
         restarts = self.state.restarts
         for kind, message in messages:
@@ -102,7 +102,9 @@ class MonitorView:
     # -- arrangements ------------------------------------------------------------------------------
 
     def _layout(self, width: int, height: int) -> Layout:
-        if self.state.solution is None and self.listener.receiver is not None:
+        state = self.state
+        told_more = state.solution or state.attitude or state.inertial or self.link.frames
+        if state.gnss is not None and not told_more:
             body = self._receiver(width, height - 2)
         elif width < 60:
             body = self._narrow(height - 2)
@@ -136,7 +138,7 @@ class MonitorView:
             [("satellites", self._satellites), ("link", self._link), ("tasks", self._tasks)],
             [("innovations", self._innovations), ("inertial", self._imu)],
         ]
-        if height < 28:
+        if height < 34:
             rows[1:] = [
                 [("satellites", self._satellites), ("link", self._link), ("tasks", self._tasks_and_nis)]
             ]

@@ -54,7 +54,7 @@ def test_snapshot_of_a_capture(size, tmp_path, monkeypatch):
     assert result.output == golden.read_text(encoding="utf-8")
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(some.integers(-3, 260), some.integers(-3, 120))
 def test_every_size_is_filled_exactly(drive, width, height):
     for view in (drive, MonitorView("nobody")):
@@ -169,7 +169,7 @@ def test_a_red_word_for_what_is_lost():
     assert "\x1b[1;31mdegraded\x1b[0m" in coloured
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(
     some.lists(
         some.tuples(some.sampled_from(sorted(frames.PAYLOADS)), some.binary(max_size=255)), max_size=12
@@ -188,7 +188,7 @@ def test_any_payload_can_be_shown(payloads):
     figures_line(view)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(some.lists(some.binary(max_size=300), max_size=8), some.integers(0, 9))
 def test_garbage_never_raises(pieces, kind):
     view = MonitorView("noise")

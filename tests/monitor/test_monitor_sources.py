@@ -14,11 +14,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from spoken_drive import manifest, place, spoken, write_capture
+from spoken_receiver import sentences
 from typer.testing import CliRunner
 
 from host.capture.writer import CaptureWriter
 from host.cli.main import app
+from host.monitor.capture_rows import Rows
 from host.monitor.capture_source import CaptureSource
+from host.monitor.health_panels import imu_lines
+from host.monitor.motion_panels import attitude_lines
 from host.monitor.view import MonitorView
 from host.record.result import RunRequest
 from host.record.tables import BIAS, GNSS, INNOVATION, SOLUTION
@@ -83,6 +87,40 @@ def test_decoded_topics_alone_are_shown_too(decoded_capture):
     assert earlier["gnss"]["fix"] == "2D"
     assert earlier["solution"]["t_s"] == 6.0
     assert earlier["events"][0]["t_s"] == pytest.approx(5.5)
+
+
+def test_an_imported_receiver_log(tmp_path):
+    (tmp_path / "log.nmea").write_bytes(sentences(20))
+    capture = str(tmp_path / "log.mcap")
+    made = CliRunner().invoke(app, ["import", "nmea", str(tmp_path / "log.nmea"), "-o", capture, "-q"])
+    assert made.exit_code == 0, made.output
+    shown = last_line(capture, "--once")
+    assert shown["solution"] is None
+    assert shown["gnss"]["latitude_deg"] == pytest.approx(48.1 + 19 * 0.0027 / 60, abs=1e-8)
+    assert shown["gnss"]["satellites_used"] == 5
+    names = [(one["system"], one["number"], one["cn0_dbhz"]) for one in shown["satellites"]]
+    assert names == [("GPS", 5, 47), ("GPS", 13, 41), ("GPS", 15, 33), ("GPS", 20, None)]
+    assert shown["track"]["gnss_points"] == 20
+    assert "receiver: 3D" in monitor(capture, "--once").stdout
+
+
+def test_gyro_and_accelerometer_recorded_by_turns(tmp_path):
+    """Imported arrays hold inertial samples, an attitude and no position."""
+    writer = Rows(has_solution=False)
+    view = MonitorView("recording")
+    rows = [
+        ("/imu/gyro", 0, {"rate_x_dps": 1.0, "rate_y_dps": 2.0, "rate_z_dps": 3.0}),
+        ("/imu/accel", 10, {"force_x_mps2": 0.5, "force_y_mps2": 0.25, "force_z_mps2": -9.75}),
+        ("/imu/accel", 60, {"force_x_mps2": 7.0, "force_y_mps2": 7.0, "force_z_mps2": 7.0}),
+        ("/attitude", 70, {"yaw_deg": 123.0, "pitch_deg": -4.0, "roll_deg": 5.0}),
+    ]
+    for topic, ms, row in rows:
+        message = writer.message(topic, ms * 1_000_000, json.dumps(row).encode())
+        view.take([message] if message else [], ms / 1000)
+    text = "".join(line.plain + "\n" for line in imu_lines(view.state, 60, 20))
+    assert text.splitlines()[0].split()[2:] == ["1.00", "2.00", "3.00"]
+    assert text.splitlines()[1].split()[2:] == ["0.50", "0.25", "-9.75"]  # the one 50 ms later is left out
+    assert "123.00°" in "".join(line.plain for line in attitude_lines(view.state, 40, 12))
 
 
 def test_a_capture_of_a_run_that_was_cut_off(tmp_path):
