@@ -169,7 +169,7 @@ class Bmi160:
         self._cpu = cpu
         self._burst = bytearray(BURST_LENGTH)
         self._request = bytearray([READ | FIRST_SAMPLE_REGISTER]) + bytes(BURST_LENGTH - 1)
-        self._transaction = spi.transaction
+        self._spi = spi
         self._held = bytes(value for _, value in config.registers()[:CHECKED])
         self.raw: NDArray[np.uint8] = np.frombuffer(self._burst, np.uint8)
 
@@ -207,7 +207,7 @@ class Bmi160:
         """Gyro, accelerometer and sensortime in one burst into `raw`."""
         burst = self._burst
         burst[:] = self._request
-        self._transaction(burst)
+        self._spi.transaction(burst)
 
     def check(self) -> Outcome:
         """Is it still the chip that was set up, awake, without error flags, and are its data alive?"""
@@ -255,11 +255,11 @@ class Bmi160:
     def _read_some(self, register: Register, count: int) -> bytearray:
         buffer = bytearray(1 + count)
         buffer[0] = READ | register
-        self._transaction(buffer)
+        self._spi.transaction(buffer)
         return buffer[1:]
 
     def _write(self, register: Register, value: int, wait_ns: int) -> None:
-        self._transaction(bytearray((register, value)))
+        self._spi.transaction(bytearray((register, value)))
         self._cpu.delay(wait_ns)
 
 

@@ -22,7 +22,7 @@ class SolutionOutput:
     """Owns the buffer that one kernel fills. ValueError for a base identifier without room for a set."""
 
     def __init__(self, writer: FrameWriter, base_identifier: int = BASE_IDENTIFIER) -> None:
-        self._next_sequence = writer.next_sequence
+        self._writer = writer
         self._identifiers = identifiers(base_identifier)
         self._counter = 0
         self._buffer = bytearray(place.SIZE)
@@ -47,7 +47,9 @@ class SolutionOutput:
         """(frame, CAN set) of a solution record: `floats` (19) m, m/s, rad, rad/s, `integers` (5)."""
         counter = self._counter
         self._counter = (counter + 1) & 15
-        PACK_WORDS(self._word_bytes, 0, time_us, time_of_day_ms, date_days, self._next_sequence(), counter)
-        floats = np.asarray(floats, np.float32)
-        self._pack(floats, integers, self._words, self._data, self._numbers)
+        PACK_WORDS(
+            self._word_bytes, 0, time_us, time_of_day_ms, date_days, self._writer.next_sequence(), counter
+        )
+        pack = self._pack
+        pack(np.asarray(floats, np.float32), integers, self._words, self._data, self._numbers)
         return bytes(self._frame), CanSet(self._identifiers, bytes(self._can))

@@ -205,9 +205,9 @@ class EmulatedCpu:
             while not self.pending & running.open:
                 self._park_until(FAR)
         else:
-            run_next = self.time.run_next
+            time = self.time
             while not self.pending & running.open:
-                run_next()
+                time.run_next()
         self.serve()
 
     # -- what the emulated peripherals use ---------------------------------------------------------
@@ -276,7 +276,8 @@ class EmulatedCpu:
                 time.now = entered
             else:
                 self._pass_until(entered, stretch=False)
-            line.handler()
+            handler = line.handler  # by a name of its own: a call of what a slot holds is slow
+            handler()
             took = time.now - start
             if took == line.usual_ns and not waited and not self._nested_ns:
                 line.repeats += 1

@@ -49,7 +49,8 @@ class Net:
         self.level = level
         if self.tape is not None:
             self.tape.append(2 * self.time.now + level)
-        for edge_listener in self._edges[level]:
+        falling, rising = self._edges
+        for edge_listener in rising if level else falling:
             edge_listener()
         if self._listeners:
             now = self.time.now

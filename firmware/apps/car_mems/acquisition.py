@@ -5,8 +5,6 @@ The interrupt handler reads one burst and makes the navigation task ready; nothi
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 from firmware.apps.car_mems.settings import Settings
 from firmware.drivers.bmi160 import Bmi160, Bmi160Config, Outcome
 from hal.board_io import BoardIo
@@ -23,16 +21,15 @@ class Acquisition:
         """Board clock at the start of the last read."""
         self.reads = 0
         self.outcome = Outcome.ABSENT
-        self.sample_ready: Callable[[], None] = _nobody
-        """Called from the interrupt when `chip.raw` holds a new sample."""
+        self.sample_task: InterruptLine | None = None
+        """Made ready by the interrupt when `chip.raw` holds a new sample."""
         self.starts = 0
         config = Bmi160Config(settings.imu_rate_hz, settings.imu_bandwidth, not self.by_timer)
         self.chip = Bmi160(io.spi["imu"], io.cpu, config)
         self._io = io
-        self._spend = io.cpu.spend
+        self._cpu = io.cpu
         self._cost = io.cpu.cost("imu_interrupt")
-        self._now_ns = io.clock.now_ns
-        self._read = self.chip.read
+        self._clock = io.clock
         self._line: InterruptLine | None = None
         self._rate_hz = settings.imu_rate_hz
 
@@ -57,12 +54,9 @@ class Acquisition:
         return self.outcome
 
     def _on_interrupt(self) -> None:
-        self.read_at_ns = self._now_ns()
-        self._read()
+        self.read_at_ns = self._clock.now_ns()
+        self.chip.read()
         self.reads += 1
-        self._spend(self._cost)
-        self.sample_ready()
-
-
-def _nobody() -> None:
-    pass
+        self._cpu.spend(self._cost)
+        if self.sample_task is not None:
+            self.sample_task.pend()

@@ -36,7 +36,7 @@ class Announcer:
     """Looks at what the last output said, and says what is new."""
 
     def __init__(self, clock: Clock, gnss: GnssPort, output: Output) -> None:
-        self._now_ns = clock.now_ns
+        self._clock = clock
         self._modes = flags.MODE_NAMES
         self._gnss = gnss
         self._output = output
@@ -70,7 +70,7 @@ class Announcer:
         bad_checksums, garbage = self._gnss.stream.line_errors()
         bad = bad_checksums * BAD_BYTES + garbage
         grown, self._bad_bytes = bad - self._bad_bytes, bad
-        now_ns = self._now_ns()
+        now_ns = self._clock.now_ns()
         if grown >= BAD_BYTES and self._phase is Phase.RUNNING and now_ns - self._bad_said_ns >= AGAIN_NS:
             self._bad_said_ns = now_ns
             counts = f"{bad_checksums} bad checksums, {garbage} bytes of garbage"
@@ -79,7 +79,7 @@ class Announcer:
     def _tell_alarms(self, word: int) -> None:
         new, ended = word & ~self._flags, self._flags & ~word
         self._flags = word
-        now_ns = self._now_ns()
+        now_ns = self._clock.now_ns()
         for flag, words in ALARMS.items():
             if new >> flag & 1 and now_ns - self._said_ns.get(flag, -AGAIN_NS) >= AGAIN_NS:
                 self._said_ns[flag] = now_ns

@@ -44,7 +44,7 @@ class GnssPort:
         self._pulse = (0, 0)
         """Count and time of the edge known when the waiting epoch was dated."""
         self._uart = io.uart["gnss"]
-        self._now_ns = io.clock.now_ns
+        self._clock = io.clock
         self._cpu = io.cpu
         self._parse_cost = io.cpu.cost("parse_byte")
         self._pulse_cost = io.cpu.cost("timepulse")
@@ -74,7 +74,7 @@ class GnssPort:
 
     def service(self) -> None:
         """From the background: next step of the configuration; a silence ends a burst."""
-        self._configurator.step(self._now_ns())
+        self._configurator.step(self._clock.now_ns())
         if self._quiet_looks < QUIET_LOOKS:
             self._quiet_looks += 1
             self._line.pend()
@@ -91,7 +91,7 @@ class GnssPort:
         self._cpu.spend(self._pulse_cost)
 
     def _on_bytes(self) -> None:
-        now_ns = self._now_ns()
+        now_ns = self._clock.now_ns()
         received = self._uart.received()
         if received > self._parsed:
             self._cpu.spend(self._parse_cost * (received - self._parsed))

@@ -71,7 +71,8 @@ class Navigation:
 
     def fill_solution(self) -> None:
         """Bring `floats` and `integers` up to the present state."""
-        self._solution(self.f, self.i, self.floats, self.integers)
+        solution = self._solution
+        solution(self.f, self.i, self.floats, self.integers)
 
     def sample_step(self, mean: bool) -> Callable[..., int]:
         """The kernel that takes a sample: (f, i, burst, board time of the read)."""

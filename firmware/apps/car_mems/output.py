@@ -45,15 +45,14 @@ class Output:
         self._gnss = gnss_port
         self._acquisition = acquisition
         self._uart = io.uart["host"]
-        self._write = self._uart.write
         self._writer = frames.FrameWriter()
         self._cpu = io.cpu
-        self._now_ns = io.clock.now_ns
+        self._clock = io.clock
         self._frame_cost = io.cpu.cost("solution_frame")
         self._slow_cost = io.cpu.cost("slow_frames")
         self._log_cost = io.cpu.cost("log_block")
         self._can = io.can.get("can1")
-        self._pack_solution = SolutionOutput(self._writer).pack
+        self._solution_output = SolutionOutput(self._writer)
         self._can_cost = io.cpu.cost("can_set")
         self._nmea = NmeaWriter()
         self._nmea_cost = io.cpu.cost("nmea_set")
@@ -71,7 +70,7 @@ class Output:
         navigation.fill_solution()
         time_ns, _latitude, _longitude, self.mode, self.flags = navigation.integers.tolist()
         time_us = time_ns // 1000 if time_ns > 0 else 0
-        frame, messages = self._pack_solution(
+        frame, messages = self._solution_output.pack(
             navigation.floats, navigation.integers, time_us, *self._utc(time_ns)
         )
         self._send(frame)
@@ -101,7 +100,7 @@ class Output:
     def send_slow(self) -> None:
         """Once a second: covariance, slow states, status."""
         navigation, writer = self._navigation, self._writer
-        now_us = self._now_ns() // 1000
+        now_us = self._clock.now_ns() // 1000
         head = frames.TIME_HEAD.pack(max(int(navigation.i[layout.TIME]), 0) // 1000)
         covariance = writer.numbers(frames.COVARIANCE, head, navigation.covariance())
         biases = writer.numbers(frames.BIAS, head, navigation.biases())
@@ -167,7 +166,7 @@ class Output:
         """A frame of the application's own type, dropped when `look` saw no room; no time passes."""
         frame = self._writer.frame(kind, payload)
         if self._room >= len(frame):
-            self._write(frame)
+            self._uart.write(frame)
         else:
             self.dropped += 1
         if self._log is not None:
@@ -204,7 +203,7 @@ class Output:
     def _send(self, data: bytes, count: int = 1) -> None:
         """`count`: how many frames or sentences this is."""
         if self._uart.tx_free() >= len(data):
-            self._write(data)
+            self._uart.write(data)
         else:
             self.dropped += count
         if self._log is not None:

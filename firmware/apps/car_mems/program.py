@@ -90,7 +90,7 @@ class NavigationTasks:
         acquisition: Acquisition,
         output: Output,
     ) -> None:
-        self._spend = io.cpu.spend
+        self._cpu = io.cpu
         self._acquisition = acquisition
         self._raw = acquisition.chip.raw
         self._f = navigation.f
@@ -103,7 +103,7 @@ class NavigationTasks:
         self._steps = 0
         self._output_line = io.interrupts.attach("output", output.send)
         line = io.interrupts.attach("navigation", self._on_mean_sample if mean else self._on_sample)
-        acquisition.sample_ready = line.pend
+        acquisition.sample_task = line
 
     def begin(self) -> None:
         """Let samples come."""
@@ -111,15 +111,16 @@ class NavigationTasks:
 
     def _on_sample(self) -> None:
         """`full-rate`: a step for every sample."""
-        self._step(self._f, self._i, self._raw, self._acquisition.read_at_ns)
-        self._spend(self._step_cost)
+        step = self._step
+        step(self._f, self._i, self._raw, self._acquisition.read_at_ns)
+        self._cpu.spend(self._step_cost)
         self._count_step()
 
     def _on_mean_sample(self) -> None:
         """`thesis`: a step for every tenth sample."""
-        self._spend(self._sample_cost)
+        self._cpu.spend(self._sample_cost)
         if self._step(self._f, self._i, self._raw, self._acquisition.read_at_ns):
-            self._spend(self._step_cost)
+            self._cpu.spend(self._step_cost)
             self._count_step()
 
     def _count_step(self) -> None:
