@@ -78,9 +78,7 @@ class Inspection:
         elif hold_last:
             self._held = rows if len(rows) else None
             return rows.only(np.zeros(len(rows), dtype=bool))
-        keep = self._of_rising_time(rows)
-        if self._held is not None:
-            keep[-1] = False
+        keep = self._of_rising_time(rows, len(rows) - (self._held is not None))
         kept = rows.only(keep)
         if len(kept):
             kept = self._without_unset_clock(kept)
@@ -130,14 +128,15 @@ class Inspection:
 
     # -- times -------------------------------------------------------------------------------------
 
-    def _of_rising_time(self, rows: Rows) -> Mask:
+    def _of_rising_time(self, rows: Rows, count: int) -> Mask:
+        """Which of the first `count` rows go on in time; the one behind them is only looked at."""
         t = rows.times_ns
         before = self._last_ns if self._last_ns is not None else int(t[0]) - 1
-        keep = np.ones(len(t), dtype=bool)
+        keep = np.arange(len(t)) < count
         if (np.diff(t, prepend=before) > 0).all():
             return keep
         times = t.tolist()
-        for i, now in enumerate(times):
+        for i, now in enumerate(times[:count]):
             if now <= before:
                 keep[i] = False
                 self._tell_back(rows, i, now, before)
@@ -188,7 +187,7 @@ class Inspection:
             return
         if len(steps) >= LEAST_ROWS_FOR_STEP:
             self._step_ns = float(np.median(steps))
-            scatter = float(np.quantile(np.abs(steps / self._step_ns - 1.0), 0.9))
+            scatter = float(np.quantile(np.abs(steps / self._step_ns - 1.0), 0.75))
             self._gap_factor = STEADY if scatter < 0.2 else UNSTEADY
         if not self._step_ns:
             return

@@ -1,7 +1,7 @@
 """Whether the vehicle turns as its course does: rates in a wrong unit or about a wrong axis show in bends.
 
-The angle about the down axis, integrated between receiver epochs, against the change of the course over
-ground (or of the reference's, where there is no receiver). Slow cars never turn at 50 rad/s, whatever the unit.
+The angle about the down axis, integrated between receiver epochs, is held against the change of the course
+over ground (or the reference's, without a receiver). Slow cars never turn at 50 rad/s, whatever the unit.
 """
 
 from __future__ import annotations

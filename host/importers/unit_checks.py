@@ -126,6 +126,8 @@ class MotionUnits:
         self._findings = findings
         self._columns = series.columns(*PLACE, *VELOCITY)
         self._before: tuple[float, Floats] | None = None
+        self._north = _Regression()
+        """By itself, since metres to the east take the latitude for granted."""
         self._across = _Regression()
         self._up = _Regression()
         self._largest = 0.0
@@ -152,6 +154,7 @@ class MotionUnits:
         velocity = (0.5 * (table[1:, 3:] + table[:-1, 3:]))[close]
         metres = EARTH_M / DEGREES
         north, east = moved[:, 0] * metres, moved[:, 1] * metres * np.cos(np.radians(table[1:, 0][close]))
+        self._north.add(north, velocity[:, 0])
         self._across.add(north, velocity[:, 0])
         self._across.add(east, velocity[:, 1])
         self._up.add(moved[:, 2], -velocity[:, 2])
@@ -164,7 +167,9 @@ class MotionUnits:
         self._judge_height()
 
     def _judge_position(self) -> None:
-        ratio = self._across.ratio(least_rms=1.0)
+        ratio = self._north.ratio(least_rms=1.0)
+        if ratio is None:
+            ratio = self._across.ratio(least_rms=1.0)
         position, velocity = self._series.units.get("position"), self._series.units.get("velocity")
         place = self._series.place(self._first_place or 0)
         if ratio is None:
