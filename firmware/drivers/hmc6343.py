@@ -1,4 +1,4 @@
-"""HMC6343 over I²C: identify, configure, read. One attempt a call; nobody there is a result, not an exception.
+"""HMC6343 over I²C: identify, configure, read. One attempt a call; nobody there is a result, no exception.
 
     start       wait for power-up, identify, bring the EEPROM to the settings, orientation, run mode
     read        heading, pitch and roll into `raw` (1 ms of waiting for the response)
@@ -168,7 +168,7 @@ class Hmc6343:
         return Outcome.OK if alike else Outcome.NOT_RUNNING
 
     def read(self) -> bool:
-        """Heading, pitch, roll into `raw`; False when nobody acknowledged. No faster than the rate is of use."""
+        """Heading, pitch, roll into `raw`; False when nobody acknowledged."""
         response = self._ask(POST_NS, RESPONSE_LENGTH, Command.POST_HEADING)
         if response is None:
             return False

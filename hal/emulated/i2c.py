@@ -61,8 +61,9 @@ class I2cSlave(Protocol):
 class EmulatedI2cBus:
     """One bus with its controller. Implements `hal.i2c.I2cBus`.
 
-    A slave may have an attribute `stretch_ns`: how long it holds the clock low after its address, and a
-    method `listens(time_ns)`: whether it acknowledges its address at all (it may be without supply, or busy).
+    A slave may have an attribute `stretch_ns`: how long it holds the clock low after its address; a method
+    `listens(time_ns)`: whether it acknowledges its address at all (it may be without supply, or busy); and a
+    method `clocked_at(frequency_hz)`, called when it is attached.
     """
 
     def __init__(
@@ -98,6 +99,9 @@ class EmulatedI2cBus:
                 f"I2C address 0x{address:02X} on {self.name!r} is taken; two chips cannot share it"
             )
         self._slaves[address] = slave
+        clocked_at = getattr(slave, "clocked_at", None)
+        if clocked_at is not None:
+            clocked_at(self.frequency_hz)
 
     def detach(self, address: int) -> None:
         """Take a slave off the bus; nobody acknowledges its address any more."""

@@ -17,7 +17,6 @@ from boards.chips.hmc6343 import compass, eeprom
 from boards.chips.hmc6343.commands import ALIASES, COMMANDS, POWER_UP_NS, Command
 from boards.chips.hmc6343.eeprom import Eeprom
 from boards.chips.hmc6343.measurement import RATES_HZ, SECOND, Measurements
-from boards.chips.i2c_speed import I2cSpeed
 from boards.chips.registers import AccessLog, AccessReport, ReportKind
 from boards.chips.world import CompassWorld
 from hal.emulated.virtual_time import Event, VirtualTime
@@ -34,6 +33,13 @@ _ORIENTATION_BITS = {
     code.FRONT: eeprom.UPRIGHT_FRONT,
 }
 _SLEEPING, _STANDBY, _RUNNING = "sleep", "standby", "run"
+_TRANSITIONS = {
+    code.RUN: (_STANDBY, _RUNNING),
+    code.STANDBY: (_RUNNING, _STANDBY),
+    code.SLEEP: (_RUNNING, _SLEEPING),
+    code.WAKE: (_SLEEPING, _STANDBY),
+}
+"""From which mode to which."""
 
 
 class PinNet(Protocol):
@@ -98,7 +104,7 @@ class Hmc6343:
         self._time = time
         self._nacks = early == "nack"
         self._measurements = Measurements(world, round(clock_error_ppm * 1000.0))
-        self._speed = I2cSpeed(FASTEST_HZ)
+        self._too_fast = False
         self._event: Event | None = None
         self._powered = True
         self._power_up(start_ns)
@@ -145,6 +151,10 @@ class Hmc6343:
 
     # -- I²C ---------------------------------------------------------------------------------------
 
+    def clocked_at(self, frequency_hz: int) -> None:
+        """The bus tells its clock."""
+        self._too_fast = frequency_hz > FASTEST_HZ
+
     def listens(self, time_ns: int) -> bool:
         """Whether the part acknowledges its address."""
         if not self._powered or time_ns < self._answers_ns:
@@ -155,7 +165,7 @@ class Hmc6343:
         """A command with its arguments. Returns how many bytes were acknowledged."""
         if not self.listens(time_ns):
             return 0
-        self._check_speed(self._speed.write(len(data), time_ns), time_ns)
+        self._check_clock(time_ns)
         if not data:
             return 0
         if time_ns < self._ready_ns:
@@ -163,8 +173,9 @@ class Hmc6343:
             return 0 if self._nacks else len(data)
         number = ALIASES.get(data[0], data[0])
         command = COMMANDS.get(number)
+        self._old, self._response = self._response, b""
         if command is None:
-            self._report(ReportKind.PROTOCOL, f"unknown command 0x{data[0]:02X}", time_ns)
+            self._report(ReportKind.PROTOCOL, f"unknown command 0x{data[0]:02X}: ignored", time_ns)
         elif len(data) - 1 != command.arguments:
             detail = f"{command.name}: {len(data) - 1} arguments instead of {command.arguments}: ignored"
             self._report(ReportKind.PROTOCOL, detail, time_ns)
@@ -178,7 +189,7 @@ class Hmc6343:
         """The response of the last command; 0xFF beyond it."""
         if not self.listens(time_ns):
             return bytes((UNDRIVEN,)) * length
-        self._check_speed(self._speed.read(length, time_ns), time_ns)
+        self._check_clock(time_ns)
         response = self._response
         if time_ns < self._ready_ns:
             self._report(ReportKind.TIMING, "read within the delay of the command: undefined", time_ns)
@@ -187,8 +198,8 @@ class Hmc6343:
             self._report(ReportKind.PROTOCOL, "read of more than the response: undefined", time_ns)
         return response[:length] + bytes((UNDRIVEN,)) * (length - len(response))
 
-    def _check_speed(self, fits: bool, time_ns: int) -> None:
-        if not fits:
+    def _check_clock(self, time_ns: int) -> None:
+        if self._too_fast:
             detail = "clock faster than 100 kHz: undefined, served as if it were slower"
             self._report(ReportKind.TIMING, detail, time_ns)
 
@@ -198,7 +209,6 @@ class Hmc6343:
     # -- commands ----------------------------------------------------------------------------------
 
     def _obey(self, number: int, command: Command, arguments: bytes, time_ns: int) -> None:
-        self._old, self._response = self._response, b""
         self._ready_ns = time_ns + command.delay_ns
         if command.response and number != code.READ_EEPROM:
             self._response = self._answer(number, time_ns)
@@ -223,18 +233,15 @@ class Hmc6343:
             self._report(ReportKind.RESERVED_VALUE, wrong, time_ns)
 
     def _change_mode(self, number: int, command: Command, time_ns: int) -> None:
-        wanted = {code.RUN: _STANDBY, code.STANDBY: _RUNNING, code.SLEEP: _RUNNING, code.WAKE: _SLEEPING}[
-            number
-        ]
-        if self._mode != wanted:
-            self._complain(f"{command.name} from {self._mode}; the sheet has it from {wanted}", time_ns)
-        if number == code.WAKE and self._mode != _SLEEPING:
+        source, target = _TRANSITIONS[number]
+        if self._mode == target or (number == code.WAKE and self._mode != source):
             return
-        modes = {code.RUN: _RUNNING, code.STANDBY: _STANDBY, code.SLEEP: _SLEEPING, code.WAKE: _STANDBY}
-        before, self._mode = self._mode, modes[number]
-        if self._mode == _RUNNING and before != _RUNNING:
+        if self._mode != source:
+            self._complain(f"{command.name} from {self._mode}; the sheet has it from {source}", time_ns)
+        self._mode = target
+        if target == _RUNNING:
             self._measurements.start(time_ns + SECOND // self._measurements.rate_hz)
-        elif self._mode != _RUNNING:
+        else:
             self._measurements.stop(time_ns)
         self._schedule(max(time_ns, self._time.now))
 
