@@ -17,6 +17,8 @@ GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
 NEEDED = epoch.HAS_POSITION | epoch.HAS_TIME | epoch.HAS_DATE
 POLL_S = 0.05
 TELL_EVERY_S = 2.0
+SENSELESS_S = 5.0
+SENSELESS_BYTES = 300
 FULL_POLE_DEG = 89.0
 
 
@@ -62,6 +64,11 @@ def wait_for_fix(port: ReceiverPort, limit_s: float, tell: Callable[[str], None]
                     fix = _fix(message)
                     if fix is not None:
                         return fix
+        if received > SENSELESS_BYTES and not receiver.heard and time.monotonic() - begin > SENSELESS_S:
+            raise UserError(
+                f"--port {port.url}: {received} bytes at {port.link.baud} baud and no NMEA or UBX message;"
+                " leave --baud out to have the rate found, or is it another kind of device?"
+            )
         while port.notes:
             tell(port.notes.popleft())
         if time.monotonic() - told >= TELL_EVERY_S:
