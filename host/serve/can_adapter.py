@@ -11,6 +11,7 @@ import logging
 import queue
 import threading
 import time
+import uuid
 from collections import deque
 from collections.abc import Sequence
 from typing import Any
@@ -23,7 +24,8 @@ from host.serve.places import CanPlace
 
 QUEUE_FRAMES = 2048
 RECEIVE_S = 0.1
-EXAMPLE = "udp_multicast:239.74.163.2"
+MULTICAST = "udp_multicast"
+EXAMPLE = f"{MULTICAST}:239.74.163.2"
 
 
 class CanAdapter:
@@ -41,6 +43,8 @@ class CanAdapter:
         self.overrun = 0
         """Frames that came faster than the run took them."""
         self._terms = terms
+        self._mark = f"navtwin-{uuid.uuid4().hex}" if place.interface == MULTICAST else None
+        """Multicast brings everybody's frames back to their sender: they are known by this."""
         self._message, self._errors, self._bus = _opened(place, bitrate)
         self._out: queue.Queue[CanFrame | None] = queue.Queue(QUEUE_FRAMES)
         self._in: deque[CanFrame] = deque()
@@ -94,7 +98,10 @@ class CanAdapter:
         told = False
         while (frame := self._out.get()) is not None:
             message = self._message(
-                arbitration_id=frame.identifier, data=frame.data, is_extended_id=frame.extended
+                arbitration_id=frame.identifier,
+                data=frame.data,
+                is_extended_id=frame.extended,
+                channel=self._mark,
             )
             try:
                 self._bus.send(message)
@@ -118,7 +125,7 @@ class CanAdapter:
                 told = True
                 self._ended.wait(RECEIVE_S)
                 continue
-            if message is None:
+            if message is None or (self._mark is not None and message.channel == self._mark):
                 continue
             if message.is_fd or message.is_remote_frame or message.is_error_frame:
                 self.foreign += 1
@@ -138,7 +145,7 @@ def _opened(place: CanPlace, bitrate: int) -> tuple[Any, tuple[type[Exception], 
         hint = did_you_mean(place.interface, sorted(can.VALID_INTERFACES))
         raise UserError(f"{place.option}: python-can has no interface {place.interface!r}; {hint}")
     options: dict[str, Any] = {"bitrate": bitrate}
-    if place.interface == "udp_multicast":
+    if place.interface == MULTICAST:
         options["fd"] = False
     logging.getLogger("can").setLevel(logging.CRITICAL)  # what matters is told below
     try:

@@ -117,8 +117,7 @@ def test_a_can_logger_in_another_process_hears_the_board_and_is_heard():
         heard = json.loads(logger.communicate(timeout=30.0)[0])
     (can,) = result["serve"]["can"]
     assert can["frames_written"] == 2
-    assert 0 < len(heard) <= can["frames_sent"]
-    assert len(heard) > 0.9 * can["frames_sent"]  # multicast may lose some
-    assert 0x123 not in {identifier for identifier, _data in heard}
+    boards_own = [frame for frame in heard if frame[0] != 0x123]  # multicast brings the logger its own too
+    assert 0.9 * can["frames_sent"] < len(boards_own) <= can["frames_sent"]  # and may lose some
     can1 = next(bus for bus in result["buses"] if bus["name"] == "can1")
     assert can1["transactions"] == can["frames_sent"] + 2
