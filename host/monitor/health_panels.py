@@ -107,7 +107,7 @@ def _three(name: str, values: tuple[float, ...], decimals: int, style: str) -> T
 def task_lines(state: BoardState, width: int, height: int) -> list[Text]:
     """Load of each task, busiest first; response and missed deadlines."""
     if not state.tasks:
-        silent = frames.TASKS not in state.seen_s and state.at_s > 0
+        silent = frames.STATUS in state.seen_s
         return [Text("not sent; profile key task_frames = true" if silent else "no figures yet", "dim")]
     tasks = sorted(state.tasks.values(), key=lambda one: -(one.load or 0.0))
     known = [one.load for one in tasks if one.load is not None]
