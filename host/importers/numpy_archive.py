@@ -21,12 +21,11 @@ def arrays_of(
     Raises UserError when the file is none, or lacks one, or one has another shape.
     """
     try:
-        with np.load(path, allow_pickle=False) as archive:
-            names = getattr(archive, "files", None)
-            if names is None:
-                raise UserError(
-                    f"{path}: is a single array; {kind} is an archive (.npz) of {', '.join(keys)}"
-                )
+        loaded = np.load(path, allow_pickle=False)
+        if isinstance(loaded, np.ndarray):
+            raise UserError(f"{path}: is a single array; {kind} is an archive (.npz) of {', '.join(keys)}")
+        with loaded as archive:
+            names = archive.files
             missing = [key for key in keys if key not in names]
             if missing:
                 has = ", ".join(names) or "nothing"
