@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any, Protocol
 
-from boards.chips.world import GnssWorld, ImuWorld
+from boards.chips.world import CompassWorld, GnssWorld, ImuWorld
 from boards.description import Board, Chip, Processor
 from boards.machine import Machine
 from boards.validation import DescriptionError
@@ -40,6 +40,10 @@ class Surroundings(Protocol):
 
     def gnss(self, refdes: str, chip: Chip) -> GnssWorld:
         """What the receiver `refdes` sees."""
+        ...
+
+    def compass(self, refdes: str, chip: Chip) -> CompassWorld:
+        """What the compass `refdes` feels."""
         ...
 
     def log_sink(self, name: str) -> Callable[[bytes], None]:
@@ -144,7 +148,7 @@ def _wires(board: AssembledBoard) -> None:
 
 def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Surroundings) -> None:
     model = _named(chip.model, f"chip {refdes}")
-    world = surroundings.imu(refdes, chip) if chip.world == "imu" else surroundings.gnss(refdes, chip)
+    world = getattr(surroundings, chip.world)(refdes, chip)
     arguments: list[Any] = [board.time, world]
     if chip.uart is not None:
         arguments.append(board.to_board[chip.uart])

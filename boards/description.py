@@ -67,7 +67,7 @@ class Chip(Facts):
     bus: str | None = None
     uart: str | None = None
     name: str | None = None
-    world: Literal["imu", "gnss"]
+    world: Literal["imu", "gnss", "compass"]
     errors: str | None = None
     mounting: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     lever_arm_m: Vector3 = (0.0, 0.0, 0.0)

@@ -11,7 +11,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from boards.chips.world import GnssEpoch, GnssWorld, ImuWorld
+from boards.chips.world import CompassWorld, GnssEpoch, GnssWorld, ImuWorld
 from boards.description import Chip
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.gnss.schedule import Glitch
@@ -83,6 +83,10 @@ class Surroundings:
         """Satellites and errors of one receiver."""
         self.sights[refdes] = ReceiverSight(self.world.gnss(refdes, np.array(chip.lever_arm_m)))
         return self.sights[refdes]
+
+    def compass(self, refdes: str, chip: Chip) -> CompassWorld:
+        """Force and magnetic field of one compass."""
+        return self.world.compass(refdes, np.array(chip.mounting))
 
     def log_sink(self, name: str) -> Callable[[bytes], None]:
         """A file of that name in the output folder, or nowhere when there is none."""

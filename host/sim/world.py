@@ -8,7 +8,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from boards.chips.world import GnssWorld, ImuWorld
+from boards.chips.world import CompassWorld, GnssWorld, ImuWorld
+from host.sim.compass import FeltCompass
 from host.sim.gnss.faults import glitches_of
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.gnss.schedule import Window
@@ -92,6 +93,11 @@ class World:
         receiver = self._vehicle.gnss(name, lever)
         glitches = glitches_of(self.scenario.fault, name, self.duration_ns)
         return GlitchedReceiver(receiver, glitches) if glitches else receiver
+
+    def compass(self, name: str, mounting: Array | None = None) -> CompassWorld:
+        """The world of the compass `name` at the vehicle's origin; `mounting` as for `imu`."""
+        rotation = np.eye(3) if mounting is None else np.asarray(mounting, dtype=np.float64)
+        return FeltCompass(self.truth, rotation, self.seed, name)
 
     def put_down(self, time_ns: int, latitude: float, longitude: float, height: float) -> None:
         """From `time_ns` on the standing vehicle stands there (rad, m). Raises ScenarioError if it moves."""
