@@ -21,6 +21,8 @@ from host.monitor.state import Shown
 from host.record.tables import INNOVATION, SLOW_STATES
 
 NANO = 1e9
+LARGEST = 1e15
+"""What is larger is no quantity of a vehicle."""
 SHOWN = ("/solution", "/gnss", "/innovation", "/bias", "/satellites", "/truth", "/attitude", "/imu/")
 """Topics, and beginnings of topics, one of which a file must have."""
 SAMPLE_EACH_NS = 100_000_000
@@ -51,7 +53,10 @@ class Rows:
             if time_ns - self._sampled_ns.get(topic, -SAMPLE_EACH_NS) < SAMPLE_EACH_NS:
                 return None
             self._sampled_ns[topic] = time_ns
-        row = json.loads(data)
+        try:
+            row = json.loads(data)
+        except ValueError:
+            return None
         return self._open(topic, time_ns // 1000, row) if isinstance(row, dict) else None
 
     def _open(self, topic: str, time_us: int, row: Row) -> tuple[int, Shown] | None:
@@ -90,7 +95,7 @@ class Rows:
 
 def _value(row: Row, name: str) -> float:
     value = row.get(name)
-    return float(value) if isinstance(value, int | float) else math.nan
+    return float(value) if isinstance(value, int | float) and abs(value) < LARGEST else math.nan
 
 
 def _whole(row: Row, name: str, otherwise: Any) -> Any:

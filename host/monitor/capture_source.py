@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from itertools import count
 from pathlib import Path
 
-from host.capture.blocks import LinePiece, UartChunk, unpack
+from host.capture.blocks import LinePiece, Traffic, UartChunk, unpack
 from host.capture.places import capture_path
-from host.capture.reader import CaptureReader
+from host.capture.reader import CaptureReader, RawMessage
 from host.monitor.capture_rows import SHOWN, Rows, is_shown
 from host.monitor.pace import Pace
 from host.monitor.state import Shown
@@ -158,17 +158,24 @@ class CaptureSource:
         """Topics with messages in the file; not all of them, when the board's line is one."""
         topics: set[str] = set()
         for message in CaptureReader(self._path).messages():
-            topics.add(message.topic)
-            if message.topic == BOARD_LINE:
+            if message.is_raw or not message.topic.startswith("/uart/"):
+                topics.add(message.topic)
+            if BOARD_LINE in topics:
                 break
         return topics
 
     def _bytes_of(self, line: str) -> Iterator[Piece]:
         for message in self._reader.messages():
-            if message.topic == line:
-                for record in unpack(message.schema.name, message.topic, message.data):
+            if message.topic == line and message.is_raw:
+                for record in self._records(message):
                     if isinstance(record, UartChunk | LinePiece):
                         yield record.end_ns, record.data
+
+    def _records(self, message: RawMessage) -> Iterator[Traffic]:
+        try:
+            yield from unpack(message.schema.name, message.topic, message.data)
+        except ValueError as error:
+            raise UserError(f"capture {self._path}: damaged: {error}") from None
 
     def _rows(self, rows: Rows, topics: set[str]) -> Iterator[Piece]:
         for raw in self._reader.messages():

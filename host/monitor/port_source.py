@@ -23,6 +23,7 @@ PATIENCE_S = 2.5
 """A receiver speaks once a second; so long without a word that is understood, and the rate is doubted."""
 DOUBTFUL_BYTES = 300
 SILENCE_S = 3.0
+WITHOUT_RATE = ("socket://", "loop://", "spy://")
 
 
 class PortSource:
@@ -38,7 +39,8 @@ class PortSource:
         self._pieces: deque[tuple[float, bytes]] = deque()
         self._waiting = 0
         self._lock = Lock()
-        self._fixed = baud is not None
+        self._has_rate = not url.startswith(WITHOUT_RATE)
+        self._fixed = baud is not None or not self._has_rate
         self._rate = 0
         self._began = time.monotonic()
         try:
@@ -122,16 +124,21 @@ class PortSource:
 
     def _tell(self, view: MonitorView) -> None:
         counters, now = self._link.counters, self.now_s
-        told, style = f"{self._link.baud} baud", "green"
+        told, style = f"{self._link.baud} baud" if self._has_rate else "open", "green"
         if not self._link.is_open:
             told, style = f"port is gone ({counters.last_problem}), waiting for it", "bold red"
         elif now - self._heard_at > SILENCE_S:
             told, style = f"silent for {now - self._heard_at:.0f} s", "yellow"
         elif self._is_doubtful(now) or (not self._fixed and self._rate):
-            hint = "is --baud right? e.g. 9600 or 115200" if self._fixed else "looking for the rate"
-            told, style = f"nothing understood at {self._link.baud} baud, {hint}", "bold red"
+            told, style = self._nothing_understood(), "bold red"
         if counters.losses:
             told += f", came back {counters.reopenings} of {counters.losses} times"
         if self.dropped:
             told += f", {self.dropped} bytes not looked at"
         view.source, view.source_style = told, style
+
+    def _nothing_understood(self) -> str:
+        if not self._has_rate:
+            return "nothing understood: neither our link nor a receiver speaks there"
+        hint = "is --baud right? e.g. 9600 or 115200" if self._fixed else "looking for the rate"
+        return f"nothing understood at {self._link.baud} baud, {hint}"

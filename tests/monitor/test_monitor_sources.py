@@ -1,5 +1,6 @@
 """Captures and boards: played in order and at their pace, jumped in, cut off; words that mean nothing."""
 
+import io
 import json
 import os
 import pty
@@ -13,14 +14,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as some
+from rich.console import Console
 from spoken_drive import manifest, place, spoken, write_capture
 from spoken_receiver import sentences
 from typer.testing import CliRunner
 
 from host.capture.writer import CaptureWriter
 from host.cli.main import app
-from host.monitor.capture_rows import Rows
+from host.monitor.capture_rows import SHOWN, Rows
 from host.monitor.capture_source import CaptureSource
+from host.monitor.figures import figures_line
 from host.monitor.health_panels import imu_lines
 from host.monitor.motion_panels import attitude_lines
 from host.monitor.view import MonitorView
@@ -121,6 +126,55 @@ def test_gyro_and_accelerometer_recorded_by_turns(tmp_path):
     assert text.splitlines()[0].split()[2:] == ["1.00", "2.00", "3.00"]
     assert text.splitlines()[1].split()[2:] == ["0.50", "0.25", "-9.75"]  # the one 50 ms later is left out
     assert "123.00°" in "".join(line.plain for line in attitude_lines(view.state, 40, 12))
+
+
+JSON = some.recursive(
+    some.none() | some.booleans() | some.integers() | some.floats() | some.text(max_size=5),
+    lambda inner: some.lists(inner, max_size=3),
+    max_leaves=3,
+)
+NAMES = (
+    "latitude_deg",
+    "longitude_deg",
+    "height_m",
+    "v_north_mps",
+    "yaw_deg",
+    "mode",
+    "flags",
+    "fix",
+    "hdop",
+)
+MORE_NAMES = (
+    "h_acc_m",
+    "used",
+    "number",
+    "system",
+    "cn0_dbhz",
+    "elevation_deg",
+    "text",
+    "rate_x_dps",
+    "gyro_x_dps",
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    some.lists(
+        some.tuples(
+            some.sampled_from(["/imu/x", "/event", *SHOWN[:-1]]),
+            some.dictionaries(some.sampled_from(NAMES + MORE_NAMES), JSON) | JSON,
+        ),
+        max_size=8,
+    )
+)
+def test_any_row_can_be_shown(told):
+    rows = Rows(has_solution=False)
+    view = MonitorView("noise")
+    for k, (topic, row) in enumerate(told):
+        message = rows.message(topic, k * 10**9, json.dumps(row).encode())
+        view.take([message] if message else [], float(k))
+    Console(file=io.StringIO()).print(view.render(120, 40))
+    json.loads(figures_line(view))
 
 
 def test_a_capture_of_a_run_that_was_cut_off(tmp_path):
