@@ -25,6 +25,7 @@ except ImportError:  # Windows
 EXAMPLE = "e.g. /dev/ttyUSB0 or socket://192.168.1.5:2000"
 READ_TIMEOUT_S = 0.2
 WRITE_TIMEOUT_S = 2.0
+WITHOUT_WRITE_TIMEOUT = frozenset({"rfc2217"})
 
 
 class PortProblem(Enum):
@@ -59,7 +60,8 @@ def open_port(url: str, baud: int, timeout_s: float = READ_TIMEOUT_S) -> Any:
             PortProblem.ADDRESS, f"{url!r} is no serial port: {error}; give one, {EXAMPLE}"
         ) from None
     port.timeout = timeout_s
-    port.write_timeout = WRITE_TIMEOUT_S
+    if urlsplit(url).scheme not in WITHOUT_WRITE_TIMEOUT:
+        port.write_timeout = WRITE_TIMEOUT_S
     try:
         if hasattr(port, "exclusive") and is_device(url):
             port.exclusive = True
@@ -99,6 +101,11 @@ def _explained_url(url: str, error: Exception) -> PortError:
     text = str(error)
     if isinstance(error, ValueError) or "expected a string in the form" in text or not _has_port_number(url):
         return PortError(PortProblem.ADDRESS, f"{url!r} is no address of a port: {text}; {EXAMPLE}")
+    if "RFC2217" in text:
+        return PortError(
+            PortProblem.NO_PORT,
+            f"{url}: somebody answers there, but not by RFC 2217; is it meant as socket://?",
+        )
     reason = text.rpartition("] ")[2] if "Errno" in text else text
     return PortError(
         PortProblem.UNREACHABLE,

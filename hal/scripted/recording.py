@@ -11,7 +11,7 @@ captures, which a program that sleeps would wait for.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TextIO
 
 from hal.can import CanController, CanFrame
@@ -168,7 +168,7 @@ class RecordingCan:
         self._name = name
         self._controller = controller
 
-    def send(self, frames: tuple[CanFrame, ...]) -> int:
+    def send(self, frames: Sequence[CanFrame]) -> int:
         """Queue frames in order and return how many were taken."""
         taken = self._controller.send(frames)
         for number, frame in enumerate(frames[: taken + 1]):

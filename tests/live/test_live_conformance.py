@@ -14,7 +14,12 @@ from hal.live.can import CanPortError
 BENCHES: dict[ModuleType, dict[str, Callable[[Path], Any]]] = {
     spi: {"bridge": live.BridgeSpi},
     i2c: {"bridge": live.BridgeI2c},
-    uart: {"pty": live.PtySerial, "tcp": live.TcpSerial, "loop": live.LoopSerial},
+    uart: {
+        "pty": live.PtySerial,
+        "tcp": live.TcpSerial,
+        "rfc2217": live.Rfc2217Serial,
+        "loop": live.LoopSerial,
+    },
     can: {"virtual": live.VirtualCan, "udp_multicast": live.MulticastCan},
     pins: {"modem lines": live.ModemJumper},
     interrupts: {"live": live.LiveInterrupts},
@@ -43,6 +48,7 @@ def bench(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Any]:
         made.close()
 
 
+@pytest.mark.filterwarnings("ignore:set(Daemon|Name):DeprecationWarning")  # in pyserial's own RFC 2217
 @pytest.mark.parametrize(("check", "bench"), RUNS, indirect=["bench"])
 def test_live_backend_conforms(check: Callable[[Any], None], bench: Any) -> None:
 
