@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, repeat
-from typing import TYPE_CHECKING, NamedTuple, overload
+from typing import TYPE_CHECKING, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +18,7 @@ from hal.can import CanFrame, CanSet
 from hal.emulated.can_frame import (
     INTERFRAME_BITS,
     LONGEST_FRAME_BITS,
-    WORTH_ARRAYS,
     check_frame,
-    frame_lengths,
     set_lengths,
 )
 from hal.emulated.virtual_time import SECOND
@@ -74,16 +72,6 @@ class HeardSets(Sequence[HeardFrame]):
         return list(self)[index]
 
 
-class WorkedOut(NamedTuple):
-    """The frames of kept sets in their order, with what was found out about each."""
-
-    frames: list[CanFrame]
-    senders: list[CanNode]
-    ends_ns: list[int]
-    lengths: list[int]
-    """In bits."""
-
-
 class CanBursts:
     """The kept sets of one bus, in order of time."""
 
@@ -92,7 +80,6 @@ class CanBursts:
         """When the last set has ended for sure (ns)."""
         self.kept: list[Burst] = []
         self._longest_ns = LONGEST_BITS * SECOND // bitrate
-        self._bitrate = bitrate
         self._good_identifiers: tuple[int, ...] = ()
 
     def keep(self, begin: int, node: CanNode, frames: Sequence[CanFrame], count: int) -> None:
@@ -113,34 +100,19 @@ class CanBursts:
         kept, self.kept = self.kept, []
         return kept
 
-    def work_out(self, bursts: list[Burst]) -> WorkedOut:
-        """When every frame of these sets ends, all side by side; at least one."""
-        begin_of_set, nodes, sets = zip(*bursts, strict=True)
-        frames = list(chain.from_iterable(sets))
-        counts = list(map(len, sets))
-        lengths = frame_lengths(frames)
-        bits = np.array(lengths) + INTERFRAME_BITS
-        behind = np.cumsum(bits)
-        first = np.cumsum(counts) - counts
-        before_set = np.repeat(behind[first] - bits[first], counts)
-        begins = np.repeat(np.array(begin_of_set), counts)
-        ends = begins + (behind - before_set - INTERFRAME_BITS) * SECOND // self._bitrate
-        senders = [node for node, count in zip(nodes, counts, strict=True) for _ in range(count)]
-        return WorkedOut(frames, senders, ends.tolist(), lengths)
 
-    def heard_sets(self, bursts: list[Burst]) -> HeardSets | None:
-        """Many sets of one node with one tuple of identifiers, worked out in arrays; None for others."""
-        begins, nodes, sets = zip(*bursts, strict=True)
-        node, first = nodes[0], sets[0]
-        if len(sets) * len(first) < WORTH_ARRAYS or nodes.count(node) < len(nodes):
-            return None
-        if any(type(one) is not CanSet or one.identifiers is not first.identifiers for one in sets):
-            return None
-        data = b"".join([one.data for one in sets])
-        bits = set_lengths(first.identifiers, data) + INTERFRAME_BITS
-        behind = np.cumsum(bits, axis=1, dtype=np.int64) - INTERFRAME_BITS
-        ends = np.array(begins)[:, np.newaxis] + behind * SECOND // self._bitrate
-        return HeardSets(first.identifiers, data, ends.ravel(), int(bits.sum()), node.name)
+def heard_sets(bursts: list[Burst], bitrate: int) -> HeardSets | None:
+    """Sets of one node with one tuple of identifiers, all that have ended; None for others."""
+    begins, nodes, sets = zip(*bursts, strict=True)
+    first = sets[0]
+    same = all(type(one) is CanSet and one.identifiers is first.identifiers for one in sets)
+    if not same or nodes.count(nodes[0]) < len(nodes):
+        return None
+    data = b"".join([one.data for one in sets])
+    bits = set_lengths(first.identifiers, data) + INTERFRAME_BITS
+    behind = np.cumsum(bits, axis=1, dtype=np.int64) - INTERFRAME_BITS
+    ends = np.array(begins)[:, np.newaxis] + behind * SECOND // bitrate
+    return HeardSets(first.identifiers, data, ends.ravel(), int(bits.sum()), nodes[0].name)
 
 
 def _check(frames: Iterable[CanFrame]) -> None:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from hal.can import CanFrame
 from hal.emulated.alarm import Alarm
-from hal.emulated.can_bursts import MOST_KEPT, Burst, CanBursts, LateCanListener
+from hal.emulated.can_bursts import MOST_KEPT, CanBursts, LateCanListener, heard_sets
 from hal.emulated.can_frame import INTERFRAME_BITS, arbitration_key, frame_bits
 from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
 
@@ -168,9 +168,7 @@ class EmulatedCanBus:
         now = self.time.now
         if self._bursts.kept:
             self._unfold_bursts()
-        plan = self._plan
-        while plan and plan[0].end <= now:
-            self._settle(plan.popleft())
+        self._settle_ended()
         if self._alone is not None:
             self._settle_unacknowledged(self._alone)
         if self._any_off:
@@ -220,26 +218,28 @@ class EmulatedCanBus:
 
     def _unfold_bursts(self) -> None:
         """Settle the kept sets; of the last one, what has not ended becomes planned frames."""
-        *over, last = self._bursts.take()
-        if over:
-            self._settle_bursts(over)
-        self._run_start, node, frames = last
-        self._run_bits = 0
-        node.queue.extend([(frame, frame_bits(frame)) for frame in frames])
-        self._add_all(node)
-
-    def _settle_bursts(self, over: list[Burst]) -> None:
-        """Sets that have ended."""
+        now = self.time.now
+        bursts = self._bursts.take()
+        ended = bursts if now >= self._bursts.over_by else bursts[:-1]
         alone = not self._listeners and len(self._nodes) == 1
-        heard = self._bursts.heard_sets(over) if alone else None
+        heard = heard_sets(ended, self.bitrate) if alone and ended else None
         if heard is not None:
             self._frames += len(heard)
             self._busy_bits += heard.bits
             for late in self._late_listeners:
                 late.hear_all(heard)
-            return
-        for frame, sender, end, length in zip(*self._bursts.work_out(over), strict=True):
-            self._get_through(sender, frame, end, length + INTERFRAME_BITS)
+            self._run_start, self._run_bits = now, 0
+            bursts = bursts[len(ended) :]
+        for begin, node, frames in bursts:
+            self._run_start, self._run_bits = begin, 0
+            node.queue.extend([(frame, frame_bits(frame)) for frame in frames])
+            self._add_all(node)
+            self._settle_ended()
+
+    def _settle_ended(self) -> None:
+        plan = self._plan
+        while plan and plan[0].end <= self.time.now:
+            self._settle(plan.popleft())
 
     def _instant(self, bits: int) -> int:
         return self._run_start + bits * SECOND // self.bitrate

@@ -7,11 +7,10 @@ After five equal bits from the start of frame to the end of the CRC follows one 
 counts for the next five. The CRC has the polynomial x¹⁵+x¹⁴+x¹⁰+x⁸+x⁷+x⁴+x³+1 (0x4599), start value 0, over
 the unstuffed bits before it (fact sheet, section 4; CAN specification 2.0, part B).
 
-Both the CRC and the stuffing go a byte at a time through tables: `frame_bits` for one frame,
-`frame_lengths` for many side by side.
+Both the CRC and the stuffing go a byte at a time through tables: `frame_bits` for one frame, `set_lengths`
+for many sets.
 """
 
-from collections.abc import Sequence
 from functools import lru_cache
 from typing import Any
 
@@ -116,52 +115,31 @@ def check_frame(frame: CanFrame) -> None:
     _header(frame[0], frame[2], len(frame[1]))
 
 
-WORTH_ARRAYS = 200
-"""Frames from which on arrays are faster than a frame at a time."""
 SYMBOLS = 256 + 128
 """What the stuffing table knows for each state: bytes, and tails of seven bits."""
 
 
 @lru_cache(maxsize=1)
-def _arrays() -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def _tables() -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """CRC of a byte; by SYMBOLS · state + symbol: 4 · (SYMBOLS · state after it) + stuff bits in it."""
     symbols = [(byte, 8) for byte in range(256)] + [(tail, 7) for tail in range(128)]
     stuffing = [_stuff(state, *symbol) for state in range(8) for symbol in symbols]
     return np.array(CRC_TABLE, np.int32), np.array([4 * SYMBOLS * s + n for s, n in stuffing], np.int32)
 
 
-def frame_lengths(frames: Sequence[CanFrame]) -> list[int]:
-    """`frame_bits` of every frame, at little cost when all have eight bytes. At least one frame."""
-    identifiers, data_fields, extended = zip(*frames, strict=True)
-    if len(frames) < WORTH_ARRAYS or set(map(len, data_fields)) != {8}:
-        return [frame_bits(frame) for frame in frames]
-    kinds, kind = np.unique(np.array(identifiers) << 1 | np.array(extended), return_inverse=True)
-    heads = np.array([_header(k >> 1, bool(k & 1), 8) for k in kinds.tolist()], np.int32)[kind]
-    lengths: list[int] = _side_by_side(heads, b"".join(data_fields)).tolist()
-    return lengths
+@lru_cache(maxsize=64)
+def _heads(identifiers: tuple[int, ...]) -> NDArray[np.int32]:
+    return np.array([_header(identifier, False, 8) for identifier in identifiers], np.int32)
 
 
 def set_lengths(identifiers: tuple[int, ...], data: bytes) -> NDArray[np.int32]:
     """`frame_bits` of the frames of many sets (`hal.can.CanSet`) with these identifiers, a row for each set.
     `data`: that of all sets, one behind the other."""
-    heads = np.array([_header(identifier, False, 8) for identifier in identifiers], np.int32)
-    count = len(data) // (8 * len(identifiers))
-    return _side_by_side(np.tile(heads, (count, 1)), data).reshape(count, len(identifiers))
+    from hal.emulated.can_kernel import fill_lengths  # numba takes long to import, and not all need it
 
-
-def _side_by_side(heads: NDArray[np.int32], data: bytes) -> NDArray[np.int32]:
-    """Lengths of frames of eight bytes; `heads`: what `_header` says of each, (n, 3)."""
-    crc_of_byte, stuffing = _arrays()
-    crc, row, bits = heads[:, 0], heads[:, 1] * SYMBOLS, heads[:, 2]
-    columns = np.frombuffer(data, np.uint8).reshape(-1, 8)
-    for byte in columns.T.astype(np.int32):
-        crc = (crc & 0x7F) << 8 ^ crc_of_byte.take(crc >> 7 ^ byte)
-        step = stuffing.take(row + byte)
-        row, bits = step >> 2, bits + (step & 3)
-    for symbol in (crc >> 7, 256 + (crc & 0x7F)):
-        step = stuffing.take(row + symbol)
-        row, bits = step >> 2, bits + (step & 3)
-    return bits
+    lengths = np.empty(len(data) // 8, np.int32)
+    fill_lengths(_heads(identifiers), np.frombuffer(data, np.uint8), *_tables(), SYMBOLS, lengths)
+    return lengths.reshape(-1, len(identifiers))
 
 
 def arbitration_key(frame: CanFrame) -> int:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from hal.emulated.can_bursts import HeardFrame
+from hal.emulated.can_bursts import HeardFrame, HeardSets
 from host.capture.blocks import CAN_HEAD, FULL_CAN_RECORD, SENT_CAN_HEAD, WORTH_ARRAYS
 
 LONGEST_NAME = 255
@@ -18,6 +18,8 @@ def with_senders(records: bytes, heard: Sequence[HeardFrame]) -> bytes:
     """`records` (`blocks.can_records`) of the frames `heard`, each with the name of its sender."""
     if not heard:
         return b""
+    if isinstance(heard, HeardSets):
+        return _of_one_sender(np.frombuffer(records, FULL_CAN_RECORD), _encoded(heard.sender))
     names = {name for _frame, _end, name in heard}
     if (
         len(names) == 1

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hal.can import CanFrame, CanSet
 from hal.emulated.can import CanNode, EmulatedCanBus
 from hal.emulated.can_bursts import HeardSets
-from hal.emulated.can_frame import LONGEST_FRAME_BITS, frame_bits, frame_lengths
+from hal.emulated.can_frame import LONGEST_FRAME_BITS, frame_bits, set_lengths
 from hal.emulated.virtual_time import SECOND, VirtualTime
 from host.capture.blocks import can_records
 
@@ -32,14 +32,18 @@ STEPS = st.lists(
 )
 
 
-FULL = st.builds(CanFrame, st.integers(0, 0x7FF), st.binary(min_size=8, max_size=8), st.booleans())
-
-
-@given(st.lists(FULL, min_size=1, max_size=40), st.lists(FRAMES, max_size=10))
-def test_lengths_side_by_side_are_those_of_each_frame(full: list[CanFrame], mixed: list[CanFrame]) -> None:
-    """A few frames, many of eight bytes, many with others among them."""
-    for frames in (full, 200 * full, 200 * full + mixed):
-        assert frame_lengths(frames) == [frame_bits(frame) for frame in frames]
+@settings(deadline=None)
+@given(
+    st.lists(st.integers(0, 0x7FF), min_size=1, max_size=6).map(tuple),
+    st.lists(st.binary(min_size=8, max_size=8), min_size=6, max_size=30),
+)
+def test_lengths_of_sets_are_those_of_each_frame(identifiers: tuple[int, ...], data: list[bytes]) -> None:
+    sets = len(data) // len(identifiers)
+    data = data[: sets * len(identifiers)]
+    lengths = set_lengths(identifiers, b"".join(data))
+    assert lengths.shape == (sets, len(identifiers))
+    frames = map(CanFrame, identifiers * sets, data)
+    assert lengths.ravel().tolist() == [frame_bits(frame) for frame in frames]
 
 
 def test_longest_frame_is_reached() -> None:
