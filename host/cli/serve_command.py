@@ -13,7 +13,7 @@ EPILOG = "\n".join(
     [
         "\b",
         "Examples:",
-        "  navtwin serve car_mems -s static --uart gnss=pty:/tmp/gnss",
+        "  navtwin serve car_mems -s static --uart gnss=pty:./gnss",
         "  navtwin serve car_mems --uart host=tcp://127.0.0.1:5760 --pace 0",
         "  navtwin serve car_mems --can udp_multicast:239.74.163.2 --control 127.0.0.1:5761",
         "",
@@ -34,7 +34,7 @@ def serve_command(
         typer.Option(
             "--uart",
             metavar="NAME=PLACE",
-            help="pty, pty:/tmp/gnss, tcp://127.0.0.1:5760 or rfc2217://127.0.0.1:4000. May be repeated.",
+            help="pty, pty:./gnss, tcp://127.0.0.1:5760 or rfc2217://127.0.0.1:4000. May be repeated.",
         ),
     ] = None,
     can: Annotated[

@@ -3,7 +3,7 @@
 | URL | endpoint |
 | --- | --- |
 | pty | a pseudo-terminal; its path is told |
-| pty:/tmp/gnss | the same, with a link of this name |
+| pty:./gnss | the same, with a link of this name |
 | tcp://127.0.0.1:5760 | raw bytes on TCP |
 | rfc2217://127.0.0.1:4000 | serial over Telnet |
 """
@@ -72,7 +72,7 @@ def _endpoint(name: str, url: str, option: str, allow_remote: bool) -> Endpoint:
             ) from None
         return PtyEndpoint(name, Path(link) if link else None, option)
     raise UserError(
-        f"{option}: {url!r} is no place; there are pty, pty:/tmp/{name}, tcp://127.0.0.1:5760 and"
+        f"{option}: {url!r} is no place; there are pty, pty:./{name}, tcp://127.0.0.1:5760 and"
         " rfc2217://127.0.0.1:4000"
     )
 

@@ -13,7 +13,7 @@ MISTAKES = (
     (["--uart", "host"], "tells no UART or no place; for example --uart host=tcp://127.0.0.1:5760"),
     (["--uart", "hots=pty"], "has no UART 'hots'; did you mean 'host'?"),
     (["--uart", "host=pty", "--uart", "host=pty"], "'host' is served already"),
-    (["--uart", "host=udp://127.0.0.1:1"], "is no place; there are pty, pty:/tmp/host, tcp://"),
+    (["--uart", "host=udp://127.0.0.1:1"], "is no place; there are pty, pty:./host, tcp://"),
     (["--uart", "host=pty:"], "is no place"),
     (["--uart", "host=tcp://127.0.0.1"], "is no HOST:PORT with a port in 0 … 65535"),
     (["--uart", "host=tcp://127.0.0.1:70000"], "is no HOST:PORT"),
