@@ -131,7 +131,7 @@ class CaptureReader:
         try:
             with self._opened() as file:
                 summary = make_reader(file).get_summary()
-        except (McapError, ValueError, struct.error):
+        except (McapError, ValueError, struct.error, OSError):
             return None
         if summary is None or summary.statistics is None:
             return None
