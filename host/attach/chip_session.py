@@ -26,7 +26,8 @@ class ChipSession:
         self.state = Found(False, "not started")
         self.missed = self.restarts = 0
         self.temperature: float | None = None
-        self._temperatures: list[float] = []
+        self._temperature_sum = 0.0
+        self._temperatures = 0
         self._cpu = cpu
         self._bridge = bridge
         self._begin = self._now = monotonic()
@@ -41,8 +42,8 @@ class ChipSession:
         self.state = self.chip.start()
         return self.state
 
-    def run(self, seconds: float | None, stop: Callable[[], bool], show: Callable[[], None]) -> None:
-        """Poll until `seconds` are over or `stop`; `show` is called after every poll."""
+    def run(self, seconds: float | None, stop: Callable[[], bool]) -> None:
+        """Poll until `seconds` are over or `stop`; another thread may look on."""
         self._begin = self._now = monotonic()
         self._exchanges_before = self._bridge.counters.exchanges
         self._check_at = self._begin + CHECK_S
@@ -54,7 +55,6 @@ class ChipSession:
             well = alive and self.state.ok
             if self._now >= (self._check_at if well else self._retry_at):
                 self._look()
-            show()
             due = max(due + period, monotonic())
             self._cpu.delay(round((due - monotonic()) * 1e9))
             self._now = monotonic()
@@ -98,7 +98,7 @@ class ChipSession:
             "samples_missed": self.missed,
             "rate_hz": self.rate_hz,
             "clock_error": self.clock_error,
-            "temperature_c": float(np.mean(self._temperatures)) if self._temperatures else None,
+            "temperature_c": self._temperature_sum / self._temperatures if self._temperatures else None,
             "restarts": self.restarts,
             "bridge": {
                 "exchanges": counters.exchanges,
@@ -153,7 +153,8 @@ class ChipSession:
     def _take_temperature(self) -> None:
         self.temperature = self.chip.temperature()
         if self.temperature is not None:
-            self._temperatures.append(self.temperature)
+            self._temperature_sum += self.temperature
+            self._temperatures += 1
 
 
 def _number(value: float, count: int) -> float | None:

@@ -6,7 +6,6 @@ import json
 import signal
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -26,7 +25,7 @@ from host.record.atomic import write_whole
 from host.record.errors import UserError
 
 STANDARD_OUTPUT = "-"
-REFRESH_S = 0.2
+REFRESH_HZ = 4.0
 
 
 def attach_chip(request: ChipRequest, seconds: float | None, json_to: str | None, quiet: bool) -> int:
@@ -35,8 +34,8 @@ def attach_chip(request: ChipRequest, seconds: float | None, json_to: str | None
     with _asked_to_end() as stop, chip_session(request) as session:
         found = session.start()
         if found.ok:
-            with _screen(console, request, session, quiet) as show:
-                session.run(seconds, stop, show)
+            with _screen(console, request, session, quiet):
+                session.run(seconds, stop)
     _write(request, session, json_to)
     if not quiet and session.statistics.count:
         console.print(_table(session))
@@ -82,32 +81,23 @@ def _asked_to_end() -> Iterator[Callable[[], bool]]:
 
 
 @contextmanager
-def _screen(
-    console: Console, request: ChipRequest, session: ChipSession, quiet: bool
-) -> Iterator[Callable[[], None]]:
-    """A table that changes as samples come, in a terminal; otherwise nothing until the end."""
+def _screen(console: Console, request: ChipRequest, session: ChipSession, quiet: bool) -> Iterator[None]:
+    """A table that changes as samples come, in a terminal; otherwise nothing until the end.
+
+    It is drawn by a thread of its own, since drawing takes longer than the time between two samples.
+    """
     title = f"{request.chip} on {request.port} ({request.bus_text}), {session.state.text}"
     if not quiet:
         console.print(title, soft_wrap=True, markup=False, style="bold")
     if quiet or not console.is_terminal:
-        yield _nothing
+        yield
         return
-    with Live(console=console, auto_refresh=False, transient=True) as live:
-        drawn = 0.0
 
-        def show() -> None:
-            nonlocal drawn
-            now = time.monotonic()
-            if now - drawn >= REFRESH_S:
-                drawn = now
-                hint = Text("Ctrl-C ends", style="dim")
-                live.update(Group(_table(session), _closing_line(session), hint), refresh=True)
+    def picture() -> Group:
+        return Group(_table(session), _closing_line(session), Text("Ctrl-C ends", style="dim"))
 
-        yield show
-
-
-def _nothing() -> None:
-    pass
+    with Live(console=console, get_renderable=picture, refresh_per_second=REFRESH_HZ, transient=True):
+        yield
 
 
 def _table(session: ChipSession) -> Table:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import pty
 import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 from threading import Thread
 from typing import Any
@@ -225,3 +228,21 @@ def test_ctrl_c_ends_cleanly(tmp_path: Path, how: signal.Signals) -> None:
     assert json.loads(out.read_text())["samples"] > 20
     Transcript(record.read_text())  # every line of it is whole
     assert not record.with_name("desk.txt.part").exists()
+
+
+def test_a_terminal_shows_samples_while_they_come(tmp_path: Path) -> None:
+    master, slave = pty.openpty()
+    with Desktop(tmp_path / "ttyBRIDGE") as desk:
+        command = [sys.executable, "-m", "host.cli.main", "attach", "chip", "bmi160", "--port", desk.url]
+        process = subprocess.Popen([*command, "--seconds", "1"], stdout=slave, stderr=subprocess.STDOUT)
+        os.close(slave)
+        shown = b""
+        with suppress(OSError):  # EIO: the other end has been closed
+            while piece := os.read(master, 4096):
+                shown += piece
+        assert process.wait(20) == 0
+    os.close(master)
+    assert b"Traceback" not in shown
+    assert shown.count(b"force z") >= 3  # drawn again and again, and at the end
+    assert b"Ctrl-C ends" in shown
+    assert b"\x1b[?25h" in shown  # the cursor is back

@@ -279,6 +279,14 @@ def test_an_address_that_is_no_port_is_told(url: str, problem: PortProblem, word
     assert "\n" not in str(error)
 
 
+@pytest.mark.soak
+def test_a_plain_tcp_server_is_no_rfc_2217_server() -> None:
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        error = refused(f"rfc2217://127.0.0.1:{server.getsockname()[1]}")
+    assert error.problem is PortProblem.NO_PORT
+    assert "not by RFC 2217; is it meant as socket://?" in str(error)
+
+
 def test_a_file_is_no_port(tmp_path: Path) -> None:
     path = tmp_path / "log.nmea"
     path.write_bytes(GGA)
