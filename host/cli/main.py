@@ -17,6 +17,7 @@ from host.cli.diff_command import diff_command
 from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
 from host.cli.faults_command import faults_command
 from host.cli.import_command import import_command
+from host.cli.inverse_command import inverse_command
 from host.cli.monitor_command import monitor_command
 from host.cli.new_command import app as new_app
 from host.cli.plain_text import PLAINLY
@@ -174,6 +175,7 @@ app.command("diff")(diff_command)
 app.command("serve", epilog=SERVE_EPILOG)(serve_command)
 app.command("monitor")(monitor_command)
 app.command("simulate")(simulate_command)
+app.command("inverse")(inverse_command)
 
 
 def main() -> None:

@@ -91,14 +91,15 @@ def _request(asked: Asked, form: Format | None) -> Request:
     return Request(
         scenario=scenario,
         seed=asked.seed,
-        rate_hz=_rate("--rate", asked.rate, least=SLOWEST_HZ),
-        gnss_rate_hz=_rate("--gnss-rate", asked.gnss_rate, least=Fraction(0)),
-        convention=_convention(asked.samples, form),
+        rate_hz=rate_of("--rate", asked.rate, least=SLOWEST_HZ),
+        gnss_rate_hz=rate_of("--gnss-rate", asked.gnss_rate, least=Fraction(0)),
+        convention=convention_of(asked.samples, form),
         antenna_m=_lever(asked.antenna),
     )
 
 
-def _rate(option: str, text: str, least: Fraction) -> Fraction:
+def rate_of(option: str, text: str, least: Fraction) -> Fraction:
+    """A rate in Hz. Raises UserError."""
     try:
         rate = Fraction(text)
     except (ValueError, ZeroDivisionError):
@@ -111,7 +112,8 @@ def _rate(option: str, text: str, least: Fraction) -> Fraction:
     return rate
 
 
-def _convention(text: str | None, form: Format | None) -> Convention:
+def convention_of(text: str | None, form: Format | None) -> Convention:
+    """What samples stand for; left out, what is usual in the format. Raises UserError."""
     if text is None:
         return Convention.INSTANT if form is None else form.usual
     if text not in list(Convention):

@@ -87,6 +87,11 @@ class Drive:
         return examine(self._vehicle.motion.channels)
 
     @property
+    def convention(self) -> Convention:
+        """What a sample stands for."""
+        return self.request.convention
+
+    @property
     def start_gps_ns(self) -> int:
         """GPS time of the start."""
         return self.request.scenario.start.gps_time_ns

@@ -12,19 +12,20 @@ from numpy.typing import NDArray
 from host.record.row_text import RowText
 from host.simulate.part_files import PartFiles
 from host.simulate.rows import GNSS, TRUTH, imu_rows, imu_table, truth_rows
-from host.simulate.stream import Block, Drive
+from host.simulate.source import Source
+from host.simulate.stream import Block
 
 
 class CsvWriter:
     """Writes the files."""
 
-    def __init__(self, drive: Drive, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
-        imu = imu_table(drive.request.convention)
+    def __init__(self, source: Source, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
+        imu = imu_table(source.convention)
         columns = (*imu.columns, *(f"true_{name}" for name in TRUTH.columns))
         self._samples = files.open(path)
         self._samples.write(",".join(columns).encode() + b"\n")
         self._text = RowText.csv((*imu.decimals, *TRUTH.decimals))
-        self._gnss = files.open(path.with_suffix(".gnss.csv")) if drive.epochs else None
+        self._gnss = files.open(path.with_suffix(".gnss.csv")) if source.epochs else None
         if self._gnss is not None:
             self._gnss.write(",".join(GNSS.columns).encode() + b"\n")
         self._gnss_text = RowText.csv(GNSS.decimals)

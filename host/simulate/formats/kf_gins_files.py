@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 from host.record.row_text import RowText
 from host.simulate.part_files import PartFiles
 from host.simulate.rows import GNSS, truth_rows
-from host.simulate.stream import NS, Block, Drive
+from host.simulate.source import Source
+from host.simulate.stream import NS, Block
 
 WEEK_NS = 7 * 86400 * NS
 IMU_DECIMALS = (9, *(15,) * 3, *(12,) * 3)
@@ -34,8 +35,8 @@ _FIX, _H_ACC, _V_ACC = (GNSS.columns.index(name) for name in ("fix", "h_acc_m", 
 class KfGinsWriter:
     """Writes the files. The drive's samples must be increments."""
 
-    def __init__(self, drive: Drive, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
-        self._week, self._second_ns = divmod(drive.start_gps_ns, WEEK_NS)
+    def __init__(self, source: Source, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
+        self._week, self._second_ns = divmod(source.start_gps_ns, WEEK_NS)
         self._imu, self._gnss, self._truth = (
             files.open(path.with_suffix(f".{kind}.txt")) for kind in ("imu", "gnss", "truth")
         )

@@ -18,7 +18,8 @@ from host.record.row_text import RowText
 from host.record.tables import Table
 from host.simulate.part_files import PartFiles
 from host.simulate.rows import GNSS, TRUTH, imu_rows, imu_table, truth_rows
-from host.simulate.stream import NS, Block, Drive
+from host.simulate.source import Source
+from host.simulate.stream import NS, Block
 
 TRUTH_AT = Table(("t_s", *TRUTH.columns), (9, *TRUTH.decimals))
 
@@ -26,11 +27,11 @@ TRUTH_AT = Table(("t_s", *TRUTH.columns), (9, *TRUTH.decimals))
 class McapWriter:
     """Writes the file."""
 
-    def __init__(self, drive: Drive, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
+    def __init__(self, source: Source, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
         self._writer = Writer(files.open(path), compression=CompressionType.LZ4)
         self._writer.start(profile="", library="navtwin")
         self._writer.add_metadata("simulation", {key: str(value) for key, value in about.items()})
-        self._imu = self._channel("/imu", "navtwin.SimulatedImu", imu_table(drive.request.convention))
+        self._imu = self._channel("/imu", "navtwin.SimulatedImu", imu_table(source.convention))
         self._truth = self._channel("/truth", "navtwin.Truth", TRUTH_AT)
         self._gnss = self._channel("/gnss", "navtwin.SimulatedGnss", GNSS)
 

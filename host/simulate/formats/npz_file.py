@@ -23,7 +23,8 @@ from host.sim.trajectory.kinematics import C_NB, HEIGHT, LATITUDE, LONGITUDE, VE
 from host.sim.truth import euler_angles
 from host.simulate.part_files import PartFiles
 from host.simulate.rows import GNSS
-from host.simulate.stream import Block, Convention, Drive
+from host.simulate.source import Source
+from host.simulate.stream import Block, Convention
 
 BEGINNING = (1980, 1, 1, 0, 0, 0)
 """The archive's times: no wall clock, so that the same drive gives the same bytes."""
@@ -53,12 +54,12 @@ def imu_dtype(convention: Convention) -> np.dtype[Any]:
 class NpzWriter:
     """Writes the file."""
 
-    def __init__(self, drive: Drive, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
+    def __init__(self, source: Source, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
         self._about = about
-        self._dtype = imu_dtype(drive.request.convention)
+        self._dtype = imu_dtype(source.convention)
         self._force, self._rate = self._dtype.names[1:3] if self._dtype.names else ("", "")
         self._archive = zipfile.ZipFile(files.open(path), "w", zipfile.ZIP_STORED, allowZip64=True)
-        self._member = self._open("imu", self._dtype, (drive.samples,))
+        self._member = self._open("imu", self._dtype, (source.samples,))
         self._gnss: list[NDArray[np.float64]] = []
 
     def add_block(self, block: Block) -> None:

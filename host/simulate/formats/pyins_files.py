@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 from host.record.row_text import RowText
 from host.simulate.part_files import PartFiles
 from host.simulate.rows import GNSS, truth_rows
-from host.simulate.stream import NS, Block, Drive
+from host.simulate.source import Source
+from host.simulate.stream import NS, Block
 
 IMU = ("time", "gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 PLACE, VELOCITY, ANGLES = ("lat", "lon", "alt"), ("VN", "VE", "VD"), ("roll", "pitch", "heading")
@@ -33,7 +34,7 @@ _SOLUTION = slice(GNSS.columns.index("latitude_deg"), GNSS.columns.index("v_down
 class PyinsWriter:
     """Writes the files."""
 
-    def __init__(self, drive: Drive, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
+    def __init__(self, source: Source, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
         headers = {
             "imu": IMU,
             "truth": ("time", *PLACE, *VELOCITY, *ANGLES),

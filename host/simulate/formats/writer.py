@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.simulate.part_files import PartFiles
-from host.simulate.stream import Block, Drive
+from host.simulate.source import Source
+from host.simulate.stream import Block
 
 
 class Writer(Protocol):
     """Begun with the drive; blocks and rows of `host.simulate.rows.GNSS` come in the order of time."""
 
-    def __init__(self, drive: Drive, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
+    def __init__(self, source: Source, path: Path, files: PartFiles, about: Mapping[str, Any]) -> None:
         """`about`: what made this, as JSON holds it."""
         ...
 

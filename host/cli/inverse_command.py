@@ -1,0 +1,61 @@
+"""`navtwin inverse`: the inertial measurements that belong to a trajectory."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from host.cli.exit_codes import guarded
+from host.cli.simulate_command import NOTHING_KEPT
+
+
+def inverse_command(
+    trajectory: Annotated[
+        Path, typer.Argument(metavar="TRAJECTORY", help=".csv, .gpx, .kml, .nmea, .npz or .mcap.")
+    ],
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help="Left out: figures only.")
+    ] = None,
+    form: Annotated[
+        str | None,
+        typer.Option("--format", "-f", metavar="NAME", help="csv, npz, mcap, kf-gins, pyins; by the ending."),
+    ] = None,
+    rate: Annotated[str, typer.Option("--rate", metavar="HZ", help="Of the increments.")] = "200",
+    samples: Annotated[
+        str, typer.Option("--samples", metavar="KIND", help="increment, or mean (increment over time).")
+    ] = "increment",
+    smooth: Annotated[
+        str | None,
+        typer.Option(
+            "--smooth",
+            metavar="M",
+            help="1 σ of the points, m. Default: 1 for GPX, KML, NMEA and solutions of a board, else 0.",
+        ),
+    ] = None,
+    bank: Annotated[bool, typer.Option("--bank", help="Lean into turns, as aircraft do.")] = False,
+    speed: Annotated[
+        str | None, typer.Option("--speed", metavar="M/S", help="For a KML LineString, which has no times.")
+    ] = None,
+    max_gap: Annotated[
+        str, typer.Option("--max-gap", metavar="S", help="Points further apart are an error.")
+    ] = "30",
+    json: Annotated[
+        str | None, typer.Option("--json", metavar="FILE|-", help="Figures as JSON; - is standard output.")
+    ] = None,
+    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
+) -> None:
+    """Find what error-free inertial sensors measure along a trajectory, with the matching reference.
+
+    Points of a receiver are smoothed into motion that a vehicle can make; attitude comes from the motion
+    where the file has none. Tells how well a forward mechanization of the result closes.
+    """
+
+    def command() -> int:
+        from host.cli.inverse_run import Asked, execute
+
+        asked = Asked(trajectory, output, form, rate, samples, smooth, bank, speed, max_gap)
+        return execute(asked, json, quiet)
+
+    guarded(command, NOTHING_KEPT)

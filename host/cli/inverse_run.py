@@ -1,0 +1,147 @@
+"""What `navtwin inverse` does: read, smooth, invert, write, tell how well it closes."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from host.cli.campaign_run import check_files
+from host.cli.exit_codes import EXIT_MET
+from host.cli.simulate_run import SLOWEST_HZ, convention_of, rate_of
+from host.cli.terminal import progress_bar, standard_error, standard_output
+from host.record.atomic import write_whole
+from host.record.errors import UserError
+from host.report.numbers import number
+from host.sim.scenario.schema import Start
+from host.simulate.extras import must_have
+from host.simulate.formats.known import chosen
+from host.simulate.stream import Convention
+from host.simulate.tracks.known import read_track
+from host.simulate.tracks.track import Track
+
+if TYPE_CHECKING:
+    from host.simulate.inverse import Inverse, Inverted
+
+RESULT_FORMAT = "navtwin-inverse-1"
+RECEIVER_SIGMA_M = 1.0
+LARGEST_SIGMA_M = 1000.0
+LONGEST_GAP_S = 1e6
+FASTEST_MPS = 3000.0
+STRONGEST_MPS2 = 20_000.0
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """The words of the command line."""
+
+    trajectory: Path
+    output: Path | None
+    form: str | None
+    rate: str
+    samples: str
+    smooth: str | None
+    bank: bool
+    speed: str | None
+    max_gap: str
+
+
+def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
+    """Returns the exit code. Raises UserError."""
+    if asked.output is None and asked.form is not None:
+        raise UserError(f"--format {asked.form}: needs a file to write; for example -o drive.csv")
+    form = None if asked.output is None else chosen(asked.form, asked.output)
+    convention = convention_of(asked.samples, form)
+    if convention is Convention.INSTANT:
+        raise UserError(
+            "--samples instant: the inverse finds what lies between two instants; increment or mean"
+        )
+    rate = rate_of("--rate", asked.rate, SLOWEST_HZ)
+    gap = _number("--max-gap", asked.max_gap, LONGEST_GAP_S, "30")
+    speed = None if asked.speed is None else _number("--speed", asked.speed, FASTEST_MPS, "10")
+    check_files(("-o", asked.output), ("--json", json_file))
+    must_have("scipy", "navtwin inverse")
+    from host.simulate.flyable import Flyable
+    from host.simulate.inverse import Inverse, invert_track
+
+    track = read_track(asked.trajectory, gap, speed)
+    sigma = _sigma(asked, track)
+    motion = Flyable(track, sigma, asked.bank)
+    start_ns = track.start_gps_ns if track.start_gps_ns is not None else Start().gps_time_ns
+    inverse = Inverse(motion, rate, convention, start_ns)
+    if inverse.samples < 2:
+        raise UserError(
+            f"{asked.trajectory}: lasts {motion.end_s:g} s, less than two intervals at --rate {asked.rate}"
+        )
+    about = _about(asked, track, sigma, inverse)
+    with progress_bar(f"inverse {asked.trajectory.name}", quiet) as progress:
+        done = invert_track(inverse, asked.output, form, about, progress)
+    _tell(about, done, json_file)
+    return EXIT_MET
+
+
+def _sigma(asked: Asked, track: Track) -> float:
+    if asked.smooth is None:
+        return RECEIVER_SIGMA_M if track.noisy else 0.0
+    return _number("--smooth", asked.smooth, LARGEST_SIGMA_M, "1.5", zero=True)
+
+
+def _number(option: str, text: str, largest: float, example: str, zero: bool = False) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (value > 0.0 or (zero and value == 0.0)) or value > largest:
+        least = "0" if zero else "above 0"
+        raise UserError(f"{option} {text}: must lie in {least} … {largest:g}; for example {option} {example}")
+    return value
+
+
+def _about(asked: Asked, track: Track, sigma: float, inverse: Inverse) -> dict[str, Any]:
+    """What made the files; it repeats with them."""
+    offsets = inverse.motion.offsets()
+    return {
+        "format": RESULT_FORMAT,
+        "trajectory": asked.trajectory.name,
+        "points": len(track),
+        "smooth_m": sigma,
+        "attitude_from": "motion" if track.attitude is None else "file",
+        "samples_are": str(inverse.convention),
+        "rate_hz": float(inverse.rate_hz),
+        "samples": inverse.samples,
+        "duration_s": inverse.duration_ns / 1e9,
+        "points_rms_m": float(math.sqrt((offsets**2).mean())),
+        "points_max_m": float(offsets.max()),
+    }
+
+
+def _tell(about: dict[str, Any], done: Inverted, json_file: str | None) -> None:
+    closure = done.closure.figures()
+    console = standard_error() if json_file == "-" else standard_output()
+    attitude = "attitude from the motion" if about["attitude_from"] == "motion" else "attitude from the file"
+    lines = [
+        f"{about['points']:,} points over {number(about['duration_s'])} s, passed within"
+        f" {number(about['points_rms_m'])} m RMS, {number(about['points_max_m'])} m at most; {attitude}",
+        f"at most {number(done.fastest_mps)} m/s and {number(done.strongest_mps2)} m/s² of specific force",
+        "a forward mechanization of the increments closes to"
+        f" {closure['position_rms_m']:.2g} m, {closure['velocity_rms_mps']:.2g} m/s,"
+        f" {closure['attitude_rms_deg']:.2g}° RMS ({closure['position_max_m']:.2g} m,"
+        f" {closure['velocity_max_mps']:.2g} m/s, {closure['attitude_max_deg']:.2g}° at most)",
+    ]
+    files = [str(path) for path in done.files]
+    if files:
+        lines.append(f"written: {'  '.join(files)}")
+    if done.strongest_mps2 > STRONGEST_MPS2:
+        lines.append("that is no vehicle's motion: are the points a receiver's? then --smooth 2")
+    for line in lines:
+        console.print(line, soft_wrap=True)
+    if json_file is None:
+        return
+    figures = {"closure": closure, "fastest_mps": done.fastest_mps, "strongest_mps2": done.strongest_mps2}
+    text = json.dumps(about | figures | {"wall_s": done.wall_s, "files": files}, indent=1) + "\n"
+    if json_file == "-":
+        print(text, end="")
+    else:
+        write_whole(Path(json_file), text, "--json")

@@ -1,0 +1,221 @@
+"""Inertial increments that belong to a trajectory, and the reference that belongs to them.
+
+Inverse mechanization in a closed loop (`host.sim.mechanization`): each interval is inverted from the forward
+result of the one before, so that the difference to the wanted motion does not grow. What is written as
+reference is that forward result; the closure is that of a second forward mechanization, of the increments
+alone.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from host.sim.mechanization import (
+    BENT,
+    GAINED,
+    HEIGHT,
+    LATITUDE,
+    PUSHED,
+    QUATERNION,
+    STATE,
+    TURNED,
+    VELOCITY,
+    integrate,
+    invert,
+)
+from host.sim.trajectory.kinematics import C_NB, FORCE, OMEGA_IB, ROW
+from host.simulate.flyable import Flyable
+from host.simulate.formats.known import Format
+from host.simulate.instants import NS, count_within, instants
+from host.simulate.part_files import PartFiles
+from host.simulate.stream import BLOCK, Block, Convention
+
+Floats = NDArray[np.float64]
+Progress = Callable[[float, float], None]
+
+ROOM_C = 25.0
+EARTH_RADIUS = 6.371e6
+
+
+@dataclass(frozen=True)
+class Inverse:
+    """Increments along a motion: a source of blocks for the writers."""
+
+    motion: Flyable
+    rate_hz: Fraction
+    convention: Convention
+    start_gps_ns: int
+    epochs: int = 0
+
+    @property
+    def duration_ns(self) -> int:
+        """Of the whole intervals."""
+        return int(instants(self.rate_hz, self.samples, 1)[0])
+
+    @property
+    def samples(self) -> int:
+        """Whole intervals in the motion."""
+        return count_within(self.rate_hz, round(self.motion.end_s * NS))
+
+    def blocks(self, closure: Closure) -> Iterator[Block]:
+        """All intervals, in order; `closure` learns how well they close."""
+        start = self._beginning()
+        loop, alone = start.copy(), start.copy()
+        for first in range(0, self.samples, BLOCK):
+            count = min(BLOCK, self.samples - first)
+            times_ns = instants(self.rate_hz, first, count + 1)
+            lengths = np.diff(times_ns) / NS
+            wanted = _wanted(self.motion.motion(times_ns[1:] / NS))
+            increments, states = np.empty((count, 6)), np.empty((count, STATE))
+            invert(loop, wanted, lengths, increments, states)
+            loop = states[-1].copy()
+            forward = np.empty((count, STATE))
+            integrate(alone, increments, lengths, forward)
+            alone = forward[-1].copy()
+            closure.add(forward, wanted)
+            yield self._block(times_ns[1:], lengths, increments, states)
+
+    def _beginning(self) -> Floats:
+        """The state at time 0, with what the interval before it would have been at the same rates."""
+        step = float(1 / self.rate_hz)
+        rows = self.motion.motion(np.array([0.0, step]))
+        wanted = _wanted(rows)
+        state = np.zeros(STATE)
+        state[:TURNED] = wanted[0]
+        state[GAINED:BENT] = wanted[1, VELOCITY:QUATERNION] - wanted[0, VELOCITY:QUATERNION]
+        increments, after = np.empty((1, 6)), np.empty((1, STATE))
+        for _ in range(3):
+            invert(state, wanted[1:], np.array([step]), increments, after)
+            state[TURNED:GAINED] = increments[0]
+        assert TURNED < PUSHED < GAINED
+        return state
+
+    def _block(
+        self, times_ns: NDArray[np.int64], lengths: Floats, increments: Floats, states: Floats
+    ) -> Block:
+        rows = np.zeros((len(times_ns), ROW))
+        rows[:, LATITUDE : HEIGHT + 1] = states[:, LATITUDE : HEIGHT + 1]
+        rows[:, VELOCITY:QUATERNION] = states[:, VELOCITY:QUATERNION]
+        rows[:, C_NB:OMEGA_IB] = matrices(states[:, QUATERNION:TURNED])
+        signals = increments
+        if self.convention is not Convention.INCREMENT:
+            signals = increments / lengths[:, None]
+        rows[:, OMEGA_IB:FORCE], rows[:, FORCE : FORCE + 3] = signals[:, :3], signals[:, 3:]
+        warmth = np.full((len(times_ns), 1), ROOM_C)
+        return Block(times_ns, np.hstack((signals[:, 3:], signals[:, :3], warmth)), rows)
+
+
+@dataclass
+class Closure:
+    """How far the forward mechanization of the increments alone ends from the wanted motion."""
+
+    count: int = 0
+    squares: Floats = field(default_factory=lambda: np.zeros(3))
+    largest: Floats = field(default_factory=lambda: np.zeros(3))
+
+    def add(self, forward: Floats, wanted: Floats) -> None:
+        """More states beside what was wanted."""
+        difference = forward[:, :QUATERNION] - wanted[:, :QUATERNION]
+        difference[:, 0] *= EARTH_RADIUS
+        difference[:, 1] *= EARTH_RADIUS * np.cos(wanted[:, LATITUDE])
+        sizes = np.column_stack(
+            (
+                np.linalg.norm(difference[:, :VELOCITY], axis=1),
+                np.linalg.norm(difference[:, VELOCITY:], axis=1),
+                np.degrees(_angles_between(forward[:, QUATERNION:TURNED], wanted[:, QUATERNION:TURNED])),
+            )
+        )
+        self.count += len(sizes)
+        self.squares += (sizes**2).sum(axis=0)
+        self.largest = np.maximum(self.largest, sizes.max(axis=0))
+
+    def figures(self) -> dict[str, float]:
+        """RMS and largest: position m, velocity m/s, attitude °."""
+        rms = np.sqrt(self.squares / max(self.count, 1))
+        names = ("position_{}_m", "velocity_{}_mps", "attitude_{}_deg")
+        found = {name.format("rms"): float(value) for name, value in zip(names, rms, strict=True)}
+        return found | {n.format("max"): float(v) for n, v in zip(names, self.largest, strict=True)}
+
+
+@dataclass(frozen=True, slots=True)
+class Inverted:
+    """What came of it."""
+
+    closure: Closure
+    wall_s: float
+    files: tuple[Path, ...]
+    fastest_mps: float
+    strongest_mps2: float
+    """Largest specific force."""
+
+
+def invert_track(
+    inverse: Inverse,
+    path: Path | None,
+    form: Format | None,
+    about: Mapping[str, Any],
+    progress: Progress | None,
+) -> Inverted:
+    """Invert, and write when there is a path. Raises UserError."""
+    begin = time.perf_counter()
+    closure = Closure()
+    fastest = strongest = 0.0
+    with PartFiles() as files:
+        writer = None if path is None or form is None else form.writer(inverse, path, files, about)
+        for block in inverse.blocks(closure):
+            speeds = np.linalg.norm(block.truth[:, VELOCITY:QUATERNION], axis=1)
+            forces = np.linalg.norm(block.felt[:, :3], axis=1)
+            if inverse.convention is Convention.INCREMENT:
+                forces = forces * float(inverse.rate_hz)
+            fastest, strongest = max(fastest, float(speeds.max())), max(strongest, float(forces.max()))
+            if writer is not None:
+                writer.add_block(block)
+            if progress is not None:
+                progress(float(block.times_ns[-1]) / NS, inverse.duration_ns / NS)
+        if writer is not None:
+            writer.finish()
+    return Inverted(closure, time.perf_counter() - begin, tuple(files.paths), fastest, strongest)
+
+
+def _wanted(rows: Floats) -> Floats:
+    """Rows (n, 10) for the inverse: position, velocity, quaternion."""
+    half = 0.5 * rows[:, 6:9]
+    (cy, cp, cr), (sy, sp, sr) = np.cos(half).T, np.sin(half).T
+    quaternions = np.column_stack(
+        (
+            cy * cp * cr + sy * sp * sr,
+            cy * cp * sr - sy * sp * cr,
+            cy * sp * cr + sy * cp * sr,
+            sy * cp * cr - cy * sp * sr,
+        )
+    )
+    return np.hstack((rows[:, :6], quaternions))
+
+
+def matrices(q: Floats) -> Floats:
+    """C_n_b (n, 9), by rows, of quaternions (n, 4)."""
+    a, b, c, d = q.T
+    return np.column_stack(
+        (
+            *(a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c)),
+            *(2.0 * (b * c + a * d), a * a - b * b + c * c - d * d, 2.0 * (c * d - a * b)),
+            *(2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d),
+        )
+    )
+
+
+def _angles_between(one: Floats, other: Floats) -> Floats:
+    """Angles between attitudes, rad: 2 |vector part| of one⁻¹ ⊗ other, which are small."""
+    a, v = one[:, :1], -one[:, 1:]
+    w, u = other[:, :1], other[:, 1:]
+    vector = a * u + w * v + np.cross(v, u)
+    angles: Floats = 2.0 * np.arcsin(np.minimum(1.0, np.linalg.norm(vector, axis=1)))
+    return angles

@@ -1,0 +1,130 @@
+"""Trajectories as CSV with a header. Columns are known by their names; those of no meaning here are left out.
+
+| quantity | names | unit |
+| --- | --- | --- |
+| time | t_s, time, time_s, timestamp, t_ns | s (or ns); or ISO 8601 |
+| place | latitude_deg, lat, latitude; longitude_deg, lon, longitude; height_m, alt, altitude, height | °, m |
+| velocity | v_north_mps, VN, vn; v_east_mps …; v_down_mps … | m/s |
+| attitude | yaw_deg, heading, yaw; pitch_deg, pitch; roll_deg, roll | ° |
+
+With `true_` in front they are known too, as in what `navtwin simulate` writes; `_rad` at the end means rad.
+"""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+
+from host.record.errors import UserError
+from host.simulate.tracks.clock import gps_ns
+from host.simulate.tracks.track import Floats, Track, checked
+
+NAMES: dict[str, tuple[str, ...]] = {
+    "time": ("t_s", "time", "time_s", "timestamp"),
+    "latitude": ("latitude_deg", "lat", "latitude", "lat_deg"),
+    "longitude": ("longitude_deg", "lon", "longitude", "lon_deg", "lng"),
+    "height": ("height_m", "alt", "altitude", "height", "altitude_m", "h_m"),
+    "north": ("v_north_mps", "vn", "v_n"),
+    "east": ("v_east_mps", "ve", "v_e"),
+    "down": ("v_down_mps", "vd", "v_d"),
+    "yaw": ("yaw_deg", "heading", "yaw", "heading_deg"),
+    "pitch": ("pitch_deg", "pitch"),
+    "roll": ("roll_deg", "roll"),
+}
+NEEDED = ("time", "latitude", "longitude", "height")
+ANGLES = ("latitude", "longitude", "yaw", "pitch", "roll")
+EXAMPLE = "for example t_s,latitude_deg,longitude_deg,height_m"
+
+
+def read_csv(path: Path) -> tuple[Track, list[int]]:
+    """The track, and the line of each point. Raises UserError."""
+    with path.open(newline="", encoding="utf-8-sig") as file:
+        reader = csv.reader(file)
+        header = [name.strip() for name in next(reader, [])]
+        columns = _columns(path, header)
+        rows: list[list[float]] = []
+        lines: list[int] = []
+        start: datetime | None = None
+        for row in reader:
+            if not any(cell.strip() for cell in row):
+                continue
+            if len(row) < len(header):
+                raise UserError(
+                    f"{path}: line {reader.line_num}: {len(row)} values, the header has {len(header)}"
+                )
+            if start is None and columns["time"][1] == 1.0:
+                start = _moment(row[columns["time"][0]])
+            rows.append([_value(path, reader.line_num, name, row, columns, start) for name in columns])
+            lines.append(reader.line_num)
+    table = np.array(rows, dtype=np.float64).reshape(-1, len(columns))
+    named = {name: table[:, k] for k, name in enumerate(columns)}
+    return checked(_track(named, start), str(path), lambda k: f"line {lines[k]}"), lines
+
+
+def _columns(path: Path, header: list[str]) -> dict[str, tuple[int, float]]:
+    """Place and factor to SI of each quantity that the header names."""
+    known = [name.lower().removeprefix("true_") for name in header]
+    found: dict[str, tuple[int, float]] = {}
+    for quantity, names in NAMES.items():
+        for name in names:
+            angle = math.pi / 180.0 if quantity in ANGLES else 1.0
+            for wanted, factor in ((name, angle), (f"{name.removesuffix('_deg')}_rad", 1.0)):
+                if wanted in known and quantity not in found:
+                    found[quantity] = (known.index(wanted), factor)
+    if "time" not in found and "t_ns" in known:
+        found["time"] = (known.index("t_ns"), 1e-9)
+    missing = [name for name in NEEDED if name not in found]
+    if missing:
+        told = ", ".join(header[:8]) or "nothing"
+        raise UserError(f"{path}: line 1: no column of {missing[0]} in the header ({told}); {EXAMPLE}")
+    return found
+
+
+def _value(
+    path: Path,
+    line: int,
+    name: str,
+    row: list[str],
+    columns: Mapping[str, tuple[int, float]],
+    start: datetime | None,
+) -> float:
+    place, factor = columns[name]
+    text = row[place].strip()
+    if name == "time" and start is not None:
+        moment = _moment(text)
+        if moment is None:
+            raise UserError(
+                f"{path}: line {line}: time {text!r} is not ISO 8601, as that of the first line is"
+            )
+        return (moment - start).total_seconds()
+    try:
+        return float(text) * factor
+    except ValueError:
+        raise UserError(f"{path}: line {line}: {name} {text!r} is not a number; for example 12.5") from None
+
+
+def _moment(text: str) -> datetime | None:
+    """An ISO time with date; None when it is something else."""
+    if "-" not in text[1:] or ":" not in text:
+        return None
+    try:
+        moment = datetime.fromisoformat(text.strip())
+    except ValueError:
+        return None
+    return moment if moment.tzinfo is not None else moment.replace(tzinfo=UTC)
+
+
+def _track(named: Mapping[str, Floats], start: datetime | None) -> Track:
+    velocity = attitude = None
+    if {"north", "east", "down"} <= set(named):
+        velocity = np.column_stack([named[name] for name in ("north", "east", "down")])
+    if {"yaw", "pitch", "roll"} <= set(named):
+        attitude = np.column_stack([named[name] for name in ("yaw", "pitch", "roll")])
+    t = named["time"]
+    place = (named["latitude"], named["longitude"], named["height"])
+    return Track(t - t[:1].sum(), *place, velocity, attitude, None if start is None else gps_ns(start))
