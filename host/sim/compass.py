@@ -8,8 +8,8 @@ geocentric colatitude, λ the longitude:
     B_n = (−B_θ, B_λ, −B_r)
 
 The real field differs from its dipole by some 10 % and by up to 20° of declination. Force: v̇ − g, where v̇ is
-the change of velocity over 0.1 s, which is about what the part's own averaging leaves. Both in the chip's axes,
-with white noise of the part's repeatability: 0.3° of heading, 0.2° of tilt.
+the change of velocity over 0.1 s, about what the part's own averaging leaves. Both in the chip's axes, with
+white noise of the part's repeatability: 0.3° of heading, 0.2° of tilt.
 """
 
 from __future__ import annotations
