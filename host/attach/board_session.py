@@ -17,7 +17,8 @@ from host.link.messages import Message
 NO_RAW_AFTER = 30
 """Solutions without a raw frame among them, after which the board is taken to send none."""
 
-Show = Callable[[list[tuple[int, Message]], float], None]
+Show = Callable[[list[tuple[int, Message]], float, int], None]
+"""Messages, when they came, and in how many bytes."""
 Notice = Callable[[str], None]
 
 
@@ -91,13 +92,16 @@ class BoardSession:
         self._recording = recording
         self._show = show
         self._notice = notice
+        self._stopped = False
         self._has_told_no_raw = False
         self._told_phase = shadow.phase if shadow is not None else None
         self._told_differences = 0
 
     def run(self, seconds: float | None) -> None:
-        """Until the source ends, or for so long; KeyboardInterrupt ends it, too."""
+        """Until the source ends, for so long, or until `stop`."""
         for chunk in self._source.chunks():
+            if self._stopped:
+                break
             if seconds is not None and chunk.time_ns > seconds * 1e9:
                 self.now_ns = round(seconds * 1e9)
                 break
@@ -106,13 +110,18 @@ class BoardSession:
                 self._tell(chunk.note)
             if self._recording is not None and chunk.data:
                 self._recording.bytes_came(chunk.time_ns, chunk.data)
-            self._take(chunk.time_ns, self.decoder.feed_raw(chunk.data) if chunk.data else [])
+            found = self.decoder.feed_raw(chunk.data) if chunk.data else []
+            self._take(chunk.time_ns, found, len(chunk.data))
             if self._recording is not None:
                 self._recording.look(chunk.time_ns)
 
+    def stop(self) -> None:
+        """End soon; from a signal."""
+        self._stopped = True
+
     def result(self) -> Attachment:
         """After the end."""
-        self._take(self.now_ns, self.decoder.finish_raw())
+        self._take(self.now_ns, self.decoder.finish_raw(), 0)
         if self._shadow is not None:
             self._shadow.finish()
         decoder = self.decoder
@@ -130,7 +139,7 @@ class BoardSession:
             shadow=self._shadow,
         )
 
-    def _take(self, time_ns: int, found: list[tuple[int, bytes]]) -> None:
+    def _take(self, time_ns: int, found: list[tuple[int, bytes]], size: int) -> None:
         messages: list[tuple[int, Message]] = []
         for kind, payload in found:
             message = open_payload(kind, payload)
@@ -141,7 +150,7 @@ class BoardSession:
             self._take_frame(time_ns, kind, payload)
         if found:
             self._source.understood()
-        self._show(messages, time_ns / 1e9)
+        self._show(messages, time_ns / 1e9, size)
         self._tell_news()
 
     def _take_frame(self, time_ns: int, kind: int, payload: bytes) -> None:

@@ -37,7 +37,7 @@ LOOKS = 200
 SLOWEST_MPS = 0.05
 LONGEST_S = 1e7
 
-Show = Callable[[list[tuple[int, Message]], float], None]
+Show = Callable[[list[tuple[int, Message]], float, int], None]
 Notice = Callable[[str], None]
 
 
@@ -131,7 +131,7 @@ class GnssSession:
             message = open_payload(kind, payload)
             if message is not None:
                 messages.append((kind, message))
-        self._show(messages, self.session.now_ns / 1e9)
+        self._show(messages, self.session.now_ns / 1e9, len(data))
 
     def _take(self, payload: bytes, kind: int) -> None:
         values = PAYLOADS[kind].unpack(payload)

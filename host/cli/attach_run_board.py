@@ -15,7 +15,7 @@ from host.attach.board_session import Attachment, BoardSession
 from host.attach.board_setup import BoardSetup, board_setup, setup_of_capture
 from host.attach.board_source import BoardSource, CapturedBoard, capture_at, open_serial
 from host.attach.shadow import Shadow
-from host.cli.attach_screen import screen
+from host.cli.attach_screen import ended_by_signals, screen
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.terminal import standard_error, standard_output
 from host.record.atomic import write_whole
@@ -71,10 +71,8 @@ def _attached(
         with screen(f"{setup.board.name} on {source.name}", quiet or not source.live) as shown:
             session = BoardSession(source, shadow, recording, shown.show, shown.notice)
             shown.begin(session.decoder)
-            try:
+            with ended_by_signals(session):
                 session.run(request.seconds)
-            except KeyboardInterrupt:
-                shown.notice("ended by hand")
             attachment = session.result()
         if recording is not None:
             recording.finish(session.now_ns)

@@ -3,13 +3,9 @@
 from __future__ import annotations
 
 import json
-import signal
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from types import FrameType
 from typing import Any
 
 from rich.console import Console
@@ -19,14 +15,13 @@ from host.attach.first_fix import Fix, wait_for_fix
 from host.attach.gnss_session import (
     LONGEST_S,
     GnssAttachment,
-    GnssSession,
     opened,
     pulse_changes,
     receiver_of,
     standing_request,
 )
 from host.attach.receiver_port import ReceiverPort
-from host.cli.attach_screen import Screen, screen
+from host.cli.attach_screen import Screen, ended_by_signals, screen
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.terminal import standard_error, standard_output
 from host.record.atomic import write_whole
@@ -84,7 +79,7 @@ def _run(
 ) -> GnssAttachment:
     with opened(run, setup, port, request.record_only, shown.show, shown.notice) as session:
         shown.begin(session.decoder)
-        with _ended_by_signals(session):
+        with ended_by_signals(session):
             return session.run()
 
 
@@ -114,21 +109,6 @@ def _placed(run: RunRequest, fix: Fix | None, request: GnssRequest) -> tuple[Run
     out = run.out_dir or Path("runs") / f"{Path(run.board).name}-gnss-{time.strftime('%Y%m%d-%H%M%S')}"
     changed = replace(run, overrides=(*own, *run.overrides), out_dir=out)
     return changed, resolve(changed)
-
-
-@contextmanager
-def _ended_by_signals(session: GnssSession) -> Iterator[None]:
-    """Ctrl-C and SIGTERM end the run as its own end does."""
-
-    def stop(_signal: int, _frame: FrameType | None) -> None:
-        session.stop()
-
-    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
-    try:
-        yield
-    finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
 
 
 def _write(attachment: GnssAttachment, fix: Fix | None, json_to: str | None) -> None:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import signal
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from types import FrameType
+from typing import Protocol
 
 from rich.console import Console
 from rich.live import Live
@@ -35,18 +38,19 @@ class Screen:
             self._view = MonitorView(self._title, decoder)
             self._view.hint = "Ctrl-C ends"
 
-    def show(self, messages: list[tuple[int, Message]], at_s: float) -> None:
-        """Messages that have come."""
+    def show(self, messages: list[tuple[int, Message]], at_s: float, size: int) -> None:
+        """Messages that have come, in `size` bytes."""
         view = self._view
         if view is None or self._live is None:
             return
+        view.link.bytes += size
         view.take(messages, at_s)
         view.source = self._last
         now = time.monotonic()
         if now - self._drawn >= REFRESH_S:
             self._drawn = now
-            size = self._console.size
-            self._live.update(view.render(size.width, size.height), refresh=True)
+            width, height = self._console.size
+            self._live.update(view.render(width, height), refresh=True)
 
     def notice(self, text: str) -> None:
         """Something people should know."""
@@ -55,6 +59,29 @@ class Screen:
             self._view.say(text)
         elif not self._quiet:
             self._console.print(text, soft_wrap=True, markup=False)
+
+
+class Stoppable(Protocol):
+    """What a signal ends."""
+
+    def stop(self) -> None:
+        """Come to the end soon."""
+        ...
+
+
+@contextmanager
+def ended_by_signals(session: Stoppable) -> Iterator[None]:
+    """Ctrl-C and SIGTERM end an attachment as its own end does."""
+
+    def stop(_signal: int, _frame: FrameType | None) -> None:
+        session.stop()
+
+    before = {number: signal.signal(number, stop) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 @contextmanager
