@@ -16,6 +16,7 @@ from host.serve.hub import Hub, Waited
 
 BUFFER_BYTES = 1 << 18
 """For a client that does not keep up: some 11 s of a line at 230,400 baud."""
+MOST_BYTES = 1 << 20
 INPUT_BYTES = 1 << 16
 READ_BYTES = 1 << 14
 
@@ -71,8 +72,10 @@ class Stream:
             self._write()
 
     def send_aside(self, data: bytes) -> None:
-        """Hand over what is not of the line (answers of a protocol), always."""
-        if not self.gone:
+        """Hand over what is not of the line (answers of a protocol): always, unless it is never read."""
+        if not self.gone and len(self._out) > MOST_BYTES:
+            self._leave("asks and never reads the answers; it was cut off")
+        elif not self.gone:
             self._out += data
             self._write()
 
