@@ -24,7 +24,8 @@ def link_lines(state: BoardState, link: LinkHealth, width: int, height: int) -> 
     if link.bytes == 0 and link.frames == 0 and state.seen_s:
         return [Text("rows of a recording: no line to judge", "dim")]
     late = "-" if link.late_ms is None else f"{number(link.late_ms, 0)} ms"
-    rates = [[(f"{number(link.messages_per_s, 1)} msg/s", "")], [(f"{count(link.bytes_per_s)} B/s", "")]]
+    rates = [[(f"{number(link.messages_per_s, 1)} msg/s", "")]]
+    rates += [[(f"{count(link.bytes_per_s)} B/s", "")]] if link.bytes else []
     errors = [_bad("bad CRC", link.bad_crc), _bad("garbage B", link.garbage_bytes)]
     if state.gnss is not None and link.frames == 0:
         return flowing([*rates, [(f"{count(link.sentences)} messages", "")], *errors], width)
@@ -108,7 +109,8 @@ def task_lines(state: BoardState, width: int, height: int) -> list[Text]:
     """Load of each task, busiest first; response and missed deadlines."""
     if not state.tasks:
         silent = frames.STATUS in state.seen_s
-        return [Text("not sent; profile key task_frames = true" if silent else "no figures yet", "dim")]
+        told = ("not sent; profile key", "task_frames = true") if silent else ("no figures yet",)
+        return [Text(line, "dim") for line in told]
     tasks = sorted(state.tasks.values(), key=lambda one: -(one.load or 0.0))
     known = [one.load for one in tasks if one.load is not None]
     missed = sum(one.figures.deadlines_missed for one in tasks)

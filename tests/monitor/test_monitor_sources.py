@@ -293,6 +293,11 @@ def test_what_cannot_be_is_told_in_one_line(arguments, words):
 def test_a_foreign_file_and_an_empty_folder(tmp_path):
     (tmp_path / "notes.txt").write_text("words")
     assert "not a capture of navtwin" in monitor(str(tmp_path / "notes.txt")).stderr
+    for size in (0, 5, 20, 100):
+        (tmp_path / "short.mcap").write_bytes((b"\x89MCAP0\r\n" + bytes(100))[:size])
+        result = monitor(str(tmp_path / "short.mcap"), "--once")
+        assert result.exit_code == 2
+        assert "not a capture of navtwin" in result.stderr
     (tmp_path / "folder").mkdir()
     assert "holds no run.mcap" in monitor(str(tmp_path / "folder")).stderr
     empty = CaptureWriter(tmp_path / "empty.mcap", manifest())
