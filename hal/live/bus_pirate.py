@@ -33,7 +33,7 @@ ZEROS = 25
 ANSWER_S = 0.02
 """For the answer to one of them; a USB adapter may keep it for 16 ms."""
 QUIET_S = 0.03
-REPLY_S = 0.3
+REPLY_S = 0.5
 SLOWEST_BYTE_S = 0.001
 """Each further byte of a reply may take so long."""
 SLICE_BYTES = 128

@@ -19,8 +19,8 @@ from hal.spi import SpiDevice
 from host.attach.chip_on_desk import Found, Poll, Quantity
 
 SENSORTIME_HZ = 25_600
-POLLS_PER_SAMPLE = 1.1
-"""A chip's clock may be a few per cent fast, and a poll late."""
+POLLS_PER_SAMPLE = 1.3
+"""A chip's clock may be a few per cent fast, and a poll some milliseconds late."""
 DEGREES = 180.0 / np.pi
 IDLE_BUS = (b"\xff" * 15, b"\x00" * 15)
 READ = 0x80
