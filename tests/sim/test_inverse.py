@@ -148,7 +148,7 @@ def test_an_integrator_of_another_kind_comes_to_the_same_end(tmp_path: Path, sce
 
 
 def _rates(means: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values at half steps of a function with these means over the steps: the derivative of a spline of sums."""
+    """Values at half steps of a function with these means over the steps, by a spline of the sums."""
     sums = np.vstack((np.zeros((1, 3)), np.cumsum(means, axis=0)))
     values: NDArray[np.float64] = make_interp_spline(np.arange(len(sums)), sums, k=5).derivative()(
         np.arange(2 * len(means) + 1) / 2

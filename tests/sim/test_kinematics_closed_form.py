@@ -7,7 +7,7 @@ import pytest
 from segment import SECOND, Plain, c_nb, motion, row
 
 from host.sim.trajectory.disturbance import Coning, Disturbance, Sinusoid
-from host.sim.trajectory.piece import constant, wave
+from host.sim.trajectory.piece import Piece, constant, wave
 from host.sim.trajectory.segments import MotionState, SegmentRates
 
 A, F, W = 6378137.0, 1.0 / 298.257223563, 7.292115e-5
@@ -87,6 +87,49 @@ def test_pure_coning():
         np.testing.assert_allclose(nb, expected, rtol=0, atol=1e-9 * k * math.sin(alpha))
         axis = c_nb(r)[:, 2]
         assert math.acos(axis[2]) == pytest.approx(alpha, rel=1e-9)
+
+
+def test_along_a_parallel():
+    """Eastwards along a parallel at speed: three rates about the Earth's axis make up what is felt."""
+    v, lat, h = 250.0, 0.9, 10_000.0
+    turning = Plain(600.0, SegmentRates())
+    m = motion([turning], MotionState(v, math.pi / 2), (lat, 0.2, h))
+    r = row(m, 0.0)
+    n = A / math.sqrt(1 - E2 * math.sin(lat) ** 2) + h
+    total = W + v / (n * math.cos(lat))
+    # it turns with the ground, and by v / r about the same axis
+    axis = np.array([math.cos(lat), 0.0, -math.sin(lat)])
+    np.testing.assert_allclose(c_nb(r) @ r[15:18], total * axis, rtol=1e-9, atol=1e-18)
+    outwards = (total**2 - W**2) * n * math.cos(lat)
+    felt = c_nb(r) @ r[18:21]
+    expected = [outwards * math.sin(lat), 0.0, -normal_gravity(lat, h) + outwards * math.cos(lat)]
+    np.testing.assert_allclose(felt, expected, rtol=1e-9, atol=1e-9)
+
+
+def test_pure_sculling():
+    """Speed a/Ω sin Ωt along x, pitch b cos Ωt about y, on the equator heading north."""
+    a, b, k, h = 5.0, math.radians(2.0), 2 * math.pi * 3.0, 50.0
+    swing = Piece(100.0, (0.0,), (0.0,), (b,), k)
+    rates = SegmentRates([wave(100.0, a, 2 * math.pi / k, 0.5 * math.pi)], pitch_course=[swing])
+    m = motion([Plain(100.0, rates)], MotionState(0.0, 0.0, b), (0.0, 0.0, h))
+    for t in (0.0, 1.2345, 61.00017):
+        r = row(m, t)
+        v, v1 = a / k * math.sin(k * t), a * math.cos(k * t)
+        pitch, pitch1 = b + b * math.cos(k * t), -b * k * math.sin(k * t)
+        sin, cos = math.sin(pitch), math.cos(pitch)
+        lat, alt = r[0], r[2]
+        w2 = 1 - E2 * math.sin(lat) ** 2
+        meridian = A * (1 - E2) / w2**1.5 + alt
+        north, down = v * cos, -v * sin
+        # the plane of north and down turns by −v_N / (M + h) about east; the Earth turns about north
+        curve = -north / meridian
+        force_north = v1 * cos - v * sin * pitch1 - (-curve * down)
+        force_down = -(v1 * sin + v * cos * pitch1) - curve * north - normal_gravity(lat, alt)
+        expected = [force_north * cos - force_down * sin, force_north * sin + force_down * cos]
+        np.testing.assert_allclose([r[18], r[20]], expected, rtol=1e-9)
+        np.testing.assert_allclose(r[16], pitch1 + curve, rtol=1e-9)
+        # the Earth's turn makes a force to the west or east: 2 ω × v
+        assert r[19] == pytest.approx(2 * W * (-math.sin(lat) * north - math.cos(lat) * down), abs=1e-12)
 
 
 def test_a_circle_gives_centripetal_force_and_its_diameter():
