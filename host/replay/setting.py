@@ -33,6 +33,11 @@ def recorded_setup(manifest: Mapping[str, Any], board: str | None, profile: str 
             f"the capture's manifest is of format {manifest.get('format')!r}; this version reads"
             f" {MANIFEST_FORMAT!r} as written by navtwin run"
         )
+    if "attached_to" in manifest:
+        raise UserError(
+            f"the capture is of a real board at {manifest['attached_to']}: its buses were not recorded;"
+            " navtwin attach board --port CAPTURE shadows it again"
+        )
     overrides = [str(change) for change in manifest["overrides"]]
     scenario = _scenario(manifest, overrides)
     name = board or str(manifest["board"])
