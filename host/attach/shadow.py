@@ -146,6 +146,7 @@ class Shadow:
     def finish(self) -> None:
         """Nothing more will come; what could not be confirmed does not count."""
         self._forget_pending()
+        self._give_up_copy()
 
     def to_dict(self) -> dict[str, Any]:
         """For `--json`."""

@@ -23,6 +23,7 @@ from host.attach.gnss_session import (
 from host.attach.receiver_port import ReceiverPort
 from host.cli.attach_screen import Screen, ended_by_signals, screen
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.run_command import Outputs, check_places
 from host.cli.terminal import standard_error, standard_output
 from host.record.atomic import write_whole
 from host.record.errors import UserError
@@ -48,6 +49,7 @@ class GnssRequest:
 
 def attach_gnss(request: GnssRequest, json_to: str | None, quiet: bool) -> int:
     """Attach, print, write; the exit code. Raises UserError for what the user can mend."""
+    check_places(request.run, Outputs(json_to, None, None, quiet))
     run, setup = _checked(request)
     console = standard_error() if json_to == STANDARD_OUTPUT else standard_output()
     error = standard_error()
