@@ -7,6 +7,7 @@ CRC and its stuff bits, is computed for all kept sets at once.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain, repeat
 from typing import TYPE_CHECKING, overload
@@ -19,7 +20,7 @@ from hal.emulated.can_frame import (
     INTERFRAME_BITS,
     LONGEST_FRAME_BITS,
     check_frame,
-    set_lengths,
+    ends_of_sets,
 )
 from hal.emulated.virtual_time import SECOND
 
@@ -52,6 +53,7 @@ class HeardSets(Sequence[HeardFrame]):
         """Of all frames, interframe spaces included."""
         self.sender = sender
 
+    @functools.cached_property
     def identifiers(self) -> NDArray[np.int64]:
         """Of every frame."""
         return np.tile(np.array(self.set_identifiers), len(self.ends_ns) // len(self.set_identifiers))
@@ -109,10 +111,8 @@ def heard_sets(bursts: list[Burst], bitrate: int) -> HeardSets | None:
     if not same or nodes.count(nodes[0]) < len(nodes):
         return None
     data = b"".join([one.data for one in sets])
-    bits = set_lengths(first.identifiers, data) + INTERFRAME_BITS
-    behind = np.cumsum(bits, axis=1, dtype=np.int64) - INTERFRAME_BITS
-    ends = np.array(begins)[:, np.newaxis] + behind * SECOND // bitrate
-    return HeardSets(first.identifiers, data, ends.ravel(), int(bits.sum()), nodes[0].name)
+    ends_ns, bits = ends_of_sets(np.array(begins, np.int64), first.identifiers, data, bitrate)
+    return HeardSets(first.identifiers, data, ends_ns, bits, nodes[0].name)
 
 
 def _check(frames: Iterable[CanFrame]) -> None:

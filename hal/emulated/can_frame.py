@@ -7,7 +7,7 @@ After five equal bits from the start of frame to the end of the CRC follows one 
 counts for the next five. The CRC has the polynomial x¹⁵+x¹⁴+x¹⁰+x⁸+x⁷+x⁴+x³+1 (0x4599), start value 0, over
 the unstuffed bits before it (fact sheet, section 4; CAN specification 2.0, part B).
 
-Both the CRC and the stuffing go a byte at a time through tables: `frame_bits` for one frame, `set_lengths`
+Both the CRC and the stuffing go a byte at a time through tables: `frame_bits` for one frame, `ends_of_sets`
 for many sets.
 """
 
@@ -132,14 +132,17 @@ def _heads(identifiers: tuple[int, ...]) -> NDArray[np.int32]:
     return np.array([_header(identifier, False, 8) for identifier in identifiers], np.int32)
 
 
-def set_lengths(identifiers: tuple[int, ...], data: bytes) -> NDArray[np.int32]:
-    """`frame_bits` of the frames of many sets (`hal.can.CanSet`) with these identifiers, a row for each set.
-    `data`: that of all sets, one behind the other."""
-    from hal.emulated.can_kernel import fill_lengths  # numba takes long to import, and not all need it
+def ends_of_sets(
+    begins_ns: NDArray[np.int64], identifiers: tuple[int, ...], data: bytes, bitrate: int
+) -> tuple[NDArray[np.int64], int]:
+    """(ends of all frames in ns, bits of all frames with interframe spaces) of sets (`hal.can.CanSet`) that
+    begin at `begins_ns` and have these identifiers. `data`: that of all sets, one behind the other."""
+    from hal.emulated.can_kernel import fill_ends  # numba takes long to import, and not all need it
 
-    lengths = np.empty(len(data) // 8, np.int32)
-    fill_lengths(_heads(identifiers), np.frombuffer(data, np.uint8), *_tables(), SYMBOLS, lengths)
-    return lengths.reshape(-1, len(identifiers))
+    ends_ns = np.empty(len(data) // 8, np.int64)
+    array = np.frombuffer(data, np.uint8)
+    bits = fill_ends(begins_ns, _heads(identifiers), array, *_tables(), INTERFRAME_BITS, bitrate, ends_ns)
+    return ends_ns, int(bits)
 
 
 def arbitration_key(frame: CanFrame) -> int:

@@ -1,4 +1,4 @@
-"""Lengths of many CAN frames, compiled: `can_frame.frame_bits` for sets of eight-byte frames.
+"""Ends of many CAN frames, compiled: what `can_frame.frame_bits` says, for sets of eight-byte frames.
 
 Runs also interpreted (NUMBA_DISABLE_JIT=1) with the same results.
 """
@@ -9,26 +9,34 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+SECOND = 1_000_000_000
+
 
 @njit(cache=True, error_model="numpy")
-def fill_lengths(
+def fill_ends(
+    begins_ns: NDArray[np.int64],
     heads: NDArray[np.int32],
     data: NDArray[np.uint8],
     crc_of_byte: NDArray[np.int32],
     stuffing: NDArray[np.int32],
-    symbols: int,
-    lengths: NDArray[np.int32],
-) -> None:
-    """lengths[n] of the frame with the bytes data[8 n] …; frame n has the head n modulo their number.
+    gap_bits: int,
+    bitrate: int,
+    ends_ns: NDArray[np.int64],
+) -> int:
+    """When each frame ends; sets begin at `begins_ns`, with `gap_bits` behind every frame. Returns all bits.
 
-    heads: CRC, stuffing state and bits before the data; the tables as `can_frame` makes them, with `symbols`
-    entries of `stuffing` for each state.
+    heads: of each frame of a set CRC, stuffing state and bits before its data. crc_of_byte, stuffing: the
+    tables of `can_frame`, of stuffing an eighth for each state.
     """
-    for n in range(len(lengths)):
-        head = n % len(heads)
-        crc = heads[head, 0]
-        row = heads[head, 1] * symbols
-        bits = heads[head, 2]
+    symbols = len(stuffing) // 8
+    together = 0
+    for n in range(len(ends_ns)):
+        which = n % len(heads)
+        if which == 0:
+            bits = 0
+        crc = heads[which, 0]
+        row = heads[which, 1] * symbols
+        bits += heads[which, 2]
         for k in range(8):
             byte = data[8 * n + k]
             crc = (crc & 0x7F) << 8 ^ crc_of_byte[crc >> 7 ^ byte]
@@ -37,4 +45,9 @@ def fill_lengths(
             bits += step & 3
         step = stuffing[row + (crc >> 7)]
         tail = stuffing[(step >> 2) + 256 + (crc & 0x7F)]
-        lengths[n] = bits + (step & 3) + (tail & 3)
+        bits += (step & 3) + (tail & 3)
+        ends_ns[n] = begins_ns[n // len(heads)] + bits * SECOND // bitrate
+        bits += gap_bits
+        if which == len(heads) - 1:
+            together += bits
+    return together

@@ -222,7 +222,7 @@ def can_records(heard: Sequence[HeardFrame]) -> bytes:
     if not heard:
         return b""
     if isinstance(heard, HeardSets):
-        return _full_records(heard.ends_ns, heard.identifiers(), np.frombuffer(heard.data, "S8"))
+        return _full_records(heard.ends_ns, heard.identifiers, np.frombuffer(heard.data, "S8"))
     frames, ends, _senders = zip(*heard, strict=True)
     identifiers, data, extended = zip(*frames, strict=True)
     if len(frames) >= WORTH_ARRAYS and set(map(len, data)) == {8}:

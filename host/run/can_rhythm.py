@@ -34,7 +34,7 @@ class CanRhythm:
     def add(self, heard: Sequence[tuple[CanFrame, int, *tuple[object, ...]]]) -> None:
         """More frames with their ends in ns and whatever else is known, in the order of the ends."""
         if isinstance(heard, HeardSets):
-            self._heads.append((heard.identifiers(), heard.ends_ns))
+            self._heads.append((heard.identifiers, heard.ends_ns))
         else:
             heads = [(one[0].identifier | EXTENDED * one[0].extended, one[1]) for one in heard]
             identifiers, ends_ns = np.array(heads, dtype=np.int64).reshape(-1, 2).T

@@ -28,7 +28,7 @@ from boards.assembly import assemble
 from boards.description import Board
 from firmware.numerics.claims import claim
 from firmware.numerics.dialect import INTERPRETED, entries_named, kept_file
-from hal.emulated.can_frame import set_lengths
+from hal.emulated.can_frame import ends_of_sets
 from host.record.row_text import RowText
 from host.run.setup import Setup
 from host.run.surroundings import Surroundings
@@ -156,7 +156,7 @@ def _no_collector() -> Iterator[None]:
 
 
 def _exercise(description: Board, world: World) -> None:
-    """Ask the world everything a run asks, for a hundredth of a second, write a number, measure a CAN frame."""
+    """Ask the world everything a run asks, for a hundredth of a second; write a number, time CAN frames."""
     times_ns = np.array([0, 10_000_000], dtype=np.int64)
     for refdes, chip in description.chips.items():
         if chip.world == "imu":
@@ -168,4 +168,4 @@ def _exercise(description: Board, world: World) -> None:
     world.truth(times_ns)
     world.antenna_truth(times_ns, np.zeros(3))
     RowText.csv([3]).text(np.zeros((1, 1)))
-    set_lengths((0,), bytes(8))
+    ends_of_sets(times_ns, (0,), bytes(16), 1)

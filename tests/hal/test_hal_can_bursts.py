@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hal.can import CanFrame, CanSet
 from hal.emulated.can import CanNode, EmulatedCanBus
 from hal.emulated.can_bursts import HeardSets
-from hal.emulated.can_frame import LONGEST_FRAME_BITS, frame_bits, set_lengths
+from hal.emulated.can_frame import LONGEST_FRAME_BITS, ends_of_sets, frame_bits
 from hal.emulated.virtual_time import SECOND, VirtualTime
 from host.capture.blocks import can_records
 
@@ -37,13 +37,20 @@ STEPS = st.lists(
     st.lists(st.integers(0, 0x7FF), min_size=1, max_size=6).map(tuple),
     st.lists(st.binary(min_size=8, max_size=8), min_size=6, max_size=30),
 )
-def test_lengths_of_sets_are_those_of_each_frame(identifiers: tuple[int, ...], data: list[bytes]) -> None:
+def test_ends_of_sets_are_those_of_their_frames(identifiers: tuple[int, ...], data: list[bytes]) -> None:
     sets = len(data) // len(identifiers)
     data = data[: sets * len(identifiers)]
-    lengths = set_lengths(identifiers, b"".join(data))
-    assert lengths.shape == (sets, len(identifiers))
-    frames = map(CanFrame, identifiers * sets, data)
-    assert lengths.ravel().tolist() == [frame_bits(frame) for frame in frames]
+    begins = np.arange(sets) * 10**9
+    ends, bits = ends_of_sets(begins, identifiers, b"".join(data), 1000)
+    frames = list(map(CanFrame, identifiers * sets, data))
+    expected = []
+    for first, begin in zip(range(0, len(frames), len(identifiers)), begins.tolist(), strict=True):
+        sent = 0
+        for frame in frames[first : first + len(identifiers)]:
+            expected.append(begin + (sent + frame_bits(frame)) * 10**6)
+            sent += frame_bits(frame) + 3
+    assert ends.tolist() == expected
+    assert bits == sum(frame_bits(frame) + 3 for frame in frames)
 
 
 def test_longest_frame_is_reached() -> None:
