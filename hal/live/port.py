@@ -115,7 +115,10 @@ def _explained_url(url: str, error: Exception) -> PortError:
 
 def _has_port_number(url: str) -> bool:
     parts = urlsplit(url)
-    return parts.scheme not in ("socket", "rfc2217") or parts.port is not None
+    try:
+        return parts.scheme not in ("socket", "rfc2217") or parts.port is not None
+    except ValueError:
+        return False
 
 
 def _ports_there_are() -> str:
