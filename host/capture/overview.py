@@ -9,12 +9,14 @@ from typing import Any
 
 from host.capture.blocks import I2cTransaction, LineCut, Mark, SpiTransaction, time_of, unpack
 from host.capture.reader import CaptureReader, RawMessage
+from host.capture.topics import IMPORT_FORMAT
 
 NS = 1_000_000_000
 LONGEST_MARK_STEP_NS = NS
 """Further apart than this, more could have been lost than a capture promises."""
 GAP_FACTOR = 5
 """A pause on a sensor's bus this many times its usual step is told."""
+PACED = ("/imu/", "/gnss")
 TOLD = 20
 """Findings of one kind that are listed."""
 
@@ -93,12 +95,14 @@ def look_over(path: Path) -> Overview:
     for message in reader.messages():
         if not uses:
             doubts.mark_ns = round(reader.manifest.get("cut", {}).get("from_s", 0.0) * NS)
+            doubts.paced_topics = PACED if reader.manifest.get("format") == IMPORT_FORMAT else ()
         use = uses.setdefault(message.topic, TopicUse(message.topic, message.schema.name))
         use.bytes += len(message.data)
         for time_ns in _times(message, doubts):
             use.add(time_ns)
     duration_ns = reader.end_ns
-    recorded_ns = duration_ns if duration_ns is not None else doubts.mark_ns
+    last_ns = max((use.last_ns for use in uses.values()), default=0) if doubts.paced_topics else 0
+    recorded_ns = duration_ns if duration_ns is not None else max(doubts.mark_ns, last_ns)
     overview = Overview(
         path=path,
         format=reader.format,
@@ -142,6 +146,8 @@ class Doubts:
 
     def __init__(self) -> None:
         self.mark_ns = 0
+        self.paced_topics: tuple[str, ...] = ()
+        """Decoded topics that sensors fill at a steady rate; of a run, the raw traffic tells that better."""
         self._last: dict[str, int] = {}
         self._steps: dict[str, int] = {}
         self._gaps: list[str] = []
@@ -184,6 +190,8 @@ class Doubts:
 
 def _times(message: RawMessage, doubts: Doubts) -> Iterator[int]:
     if not message.is_raw:
+        if doubts.paced_topics and message.topic.startswith(doubts.paced_topics):
+            doubts.record(message.topic, message.time_ns, paced=True)
         yield message.time_ns
         return
     for record in unpack(message.schema.name, message.topic, message.data):

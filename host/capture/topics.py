@@ -13,6 +13,8 @@ TABLES: dict[str, tuple[str, Table]] = {
     "/innovation": ("navtwin.Innovation", INNOVATION),
     "/bias": ("navtwin.Bias", BIAS),
 }
+IMPORT_FORMAT = "navtwin-import-1"
+"""Of the manifest of a capture that was imported: no run stands behind it."""
 IMU_SCHEMA = "navtwin.Imu"
 EVENTS = ("/event", "navtwin.Event")
 CONTROL = ("/control", "navtwin.Control")

@@ -9,6 +9,7 @@ from host.capture.cutting import cut
 from host.capture.export import export
 from host.capture.overview import NS, Overview, look_over
 from host.capture.places import capture_path
+from host.capture.topics import IMPORT_FORMAT
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.terminal import print_section, standard_error, standard_output
 from host.record.atomic import write_whole
@@ -67,6 +68,8 @@ def _written(overview: Overview, target: str | None) -> bool:
 
 def _facts(overview: Overview) -> list[tuple[str, str]]:
     manifest = overview.manifest
+    if manifest.get("format") == IMPORT_FORMAT:
+        return _facts_of_import(overview)
     run = " ".join(str(manifest.get(name, "?")) for name in ("board", "scenario", "profile"))
     versions = manifest.get("versions") or {}
     facts = [
@@ -76,6 +79,22 @@ def _facts(overview: Overview) -> list[tuple[str, str]]:
         ("made with", ", ".join(f"{name} {version}" for name, version in versions.items())),
         ("recorded", f"{overview.recorded_s:,.3f} s{'' if overview.duration_s else ', the run did not end'}"),
         ("state hash", overview.state_hash or "none"),
+    ]
+    if "cut" in manifest:
+        facts.append(("cut", f"from {manifest['cut']['from_s']:g} to {manifest['cut']['to_s']:g} s"))
+    return facts
+
+
+def _facts_of_import(overview: Overview) -> list[tuple[str, str]]:
+    manifest = overview.manifest
+    files = ", ".join(f"{file['name']} ({file['bytes']:,} bytes)" for file in manifest.get("files") or [])
+    clock = manifest.get("clock") or {}
+    begins = clock.get("origin_utc", "not known: the recording's own clock")
+    facts = [
+        ("file", f"{overview.path}, {overview.size:,} bytes, {overview.format}"),
+        ("imported", f"{manifest.get('kind', '?')}: {files}"),
+        ("begins", str(begins)),
+        ("recorded", f"{overview.recorded_s:,.3f} s"),
     ]
     if "cut" in manifest:
         facts.append(("cut", f"from {manifest['cut']['from_s']:g} to {manifest['cut']['to_s']:g} s"))

@@ -67,7 +67,7 @@ class ImportWriter:
         times_ns = rows.times_ns - self.origin_ns
         table = np.column_stack((times_ns / 1e9, rows.values))
         add = self._writer.add_message
-        for t_ns, message in zip(times_ns.tolist(), text.texts(table), strict=True):
+        for t_ns, message in zip(np.maximum(times_ns, 0).tolist(), text.texts(table), strict=True):
             add(channel, t_ns, message, t_ns)
         self._note(series.topic, len(rows), int(times_ns[-1]))
         if series.topic in FIXES:
@@ -80,7 +80,8 @@ class ImportWriter:
             self._raw[raw.topic] = self._channel(raw.topic, ENCODING, raw.schema, definition, ENCODING)
         times = [time_ns - self.origin_ns for time_ns, _ in raw.records]
         block = b"".join([record(t_ns) for t_ns, (_, record) in zip(times, raw.records, strict=True)])
-        self._writer.add_message(self._raw[raw.topic], times[0], block, times[0])
+        first_ns = max(times[0], 0)
+        self._writer.add_message(self._raw[raw.topic], first_ns, block, first_ns)
         self._note(raw.topic, len(times), max(times))
 
     def event(self, source: str, text: str) -> None:

@@ -11,11 +11,12 @@ from typing import Any
 import numpy as np
 
 from boards.hints import did_you_mean
+from host.capture.topics import IMPORT_FORMAT
 from host.importers.findings import Findings
 from host.importers.import_writer import ImportWriter
 from host.importers.inspection import Inspection
 from host.importers.kinds import KINDS
-from host.importers.request import IMPORT_FORMAT, ImportRequest, ImportResult, Recording, Task
+from host.importers.request import ImportRequest, ImportResult, Recording, Task
 from host.importers.series import Portion, Rows, Series, Stream
 from host.importers.time_base import NS, leap_seconds_at, unix_from_gps, utc_text
 from host.importers.topics import ACCURACIES, FORCES, PLACE, RATES, VELOCITY

@@ -7,13 +7,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from host.capture.topics import IMPORT_FORMAT
 from host.importers.findings import Finding, Findings
 from host.importers.series import Stream
 from host.importers.units import Units
 from host.record.errors import UserError
-
-IMPORT_FORMAT = "navtwin-import-1"
-"""Of the manifest of an imported capture, and of `--json`."""
 
 Meter = Callable[[int], None]
 """Told how many further bytes of the input have been worked off."""

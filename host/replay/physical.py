@@ -13,7 +13,7 @@ from typing import Any
 
 from boards.places import board_folder
 from host.capture.reader import CaptureReader
-from host.importers.request import IMPORT_FORMAT
+from host.capture.topics import IMPORT_FORMAT
 from host.record.errors import UserError
 from host.record.manifest import build_manifest
 from host.record.result import RunRequest, RunResult

@@ -10,6 +10,7 @@ from boards.description import Board, load_board
 from boards.hints import did_you_mean
 from boards.places import board_folder
 from boards.validation import DescriptionError, validated
+from host.capture.topics import IMPORT_FORMAT
 from host.record.errors import UserError
 from host.record.manifest import MANIFEST_FORMAT
 from host.run.own_modules import make_importable
@@ -28,6 +29,11 @@ def recorded_setup(manifest: Mapping[str, Any], board: str | None, profile: str 
     `board`, `profile`: others in place of the recorded ones; what the recorded run changed of its own board
     or profile then does not apply. Raises UserError, DescriptionError or ScenarioError.
     """
+    if manifest.get("format") == IMPORT_FORMAT:
+        raise UserError(
+            "the capture was imported: there is no run in it that could be repeated; drive a board by it with"
+            " --board car_mems --mode physical"
+        )
     if manifest.get("format") != MANIFEST_FORMAT:
         raise UserError(
             f"the capture's manifest is of format {manifest.get('format')!r}; this version reads"

@@ -10,7 +10,7 @@ from pathlib import Path
 import mcap.reader
 import numpy as np
 from circle_drive import write_kf_gins
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from test_import_arrays import broad
 from test_import_can_logs import DATABASE, frames, written
@@ -81,7 +81,8 @@ def changed(data, changes, keep):
     return bytes(data[: round(keep * len(data))])
 
 
-@settings(max_examples=120, suppress_health_check=[HealthCheck.too_slow], deadline=None)
+@settings(max_examples=60, suppress_health_check=[HealthCheck.too_slow], deadline=None)
+@example("log", [("repeat", 0.01171875, b"\x00")], 1.0)
 @given(st.sampled_from(KINDS), CHANGES, st.sampled_from([1.0, 1.0, 0.99, 0.5, 0.03, 0.0]))
 def test_damaged_files_are_imported_or_refused_in_one_line(kind, changes, keep):
     good, options = source(kind)
