@@ -26,7 +26,20 @@ from host.record.errors import UserError
 ROWS_AT_ONCE = 20_000
 SPI_SELECT = "select"
 I2C_BUSY = "busy"
-TEXTS = ("mosi", "miso", "data", "source", "text", "frame_id", "written", "read", "refusal", "sender")
+TEXTS = (
+    "command",
+    "arguments",
+    "mosi",
+    "miso",
+    "data",
+    "source",
+    "text",
+    "frame_id",
+    "written",
+    "read",
+    "refusal",
+    "sender",
+)
 INTEGERS = ("identifier", "baud", "address", "acknowledged", "asked")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 from host.capture.blocks import (
@@ -21,6 +22,7 @@ from host.capture.blocks import (
     uart_topic,
 )
 from host.capture.reader import Decoded
+from host.capture.topics import CONTROL
 
 NS = 1_000_000_000
 Row = dict[str, Any]
@@ -29,6 +31,8 @@ Row = dict[str, Any]
 def row_of(record: Traffic | Decoded) -> tuple[str, Row] | None:
     """(topic, row) of one record; None for what is no row of any table."""
     match record:
+        case Decoded(topic=topic) if topic == CONTROL[0]:
+            return topic, _control_row(record.value)
         case Decoded():
             return record.topic, _flat(record.value)
         case SpiTransaction():
@@ -63,6 +67,13 @@ def _i2c_row(record: I2cTransaction) -> Row:
         "read": done.read.hex(),
         "refusal": None if done.refusal is None else done.refusal.name.lower(),
     }
+
+
+def _control_row(value: Row) -> Row:
+    """What belongs to a command is another thing for each: as JSON in one column."""
+    own = ("t_s", "time_ns", "command")
+    more = {name: one for name, one in value.items() if name not in own}
+    return {"t_s": value.get("t_s"), "command": value.get("command"), "arguments": json.dumps(more)}
 
 
 def _flat(value: Row) -> Row:

@@ -10,8 +10,10 @@ import time
 import can
 import pytest
 from served_board import Served, ServedHere
+from typer.testing import CliRunner
 
 from host.capture.reader import CaptureReader, Decoded
+from host.cli.main import app
 from host.replay.request import ReplayRequest
 from host.replay.strict import replay_strict
 
@@ -116,3 +118,26 @@ def test_after_kill_minus_nine_the_capture_is_there_and_replays(moment_s, tmp_pa
     assert not replayed.capture_complete
     assert moment_s - replayed.duration_s < 1.0
     assert commands_of(capture)[0]["command"] == "inject"
+
+
+def test_a_capture_with_commands_goes_through_the_tools(tmp_path):
+    with ServedHere(tmp_path / "out", duration_s=6.0) as board:
+        board.control.ask("inject", kind="can-disturbance", target="can1", duration_s=1.0)
+        board.control.ask("pace", pace=0.0)
+        board.control.ask("resume")
+        board.ended()
+    for kind in ("csv", "parquet"):
+        outcome = CliRunner().invoke(
+            app, ["capture", "export", str(tmp_path / "out"), "-f", kind, "-o", str(tmp_path / kind)]
+        )
+        assert outcome.exit_code == 0, outcome.output
+    rows = (tmp_path / "csv" / "control.csv").read_text().splitlines()
+    assert rows[0] == "t_s,command,arguments"
+    assert [row.split(",")[1] for row in rows[1:]] == ["inject", "pace", "resume"]
+    part = tmp_path / "part.mcap"
+    CliRunner().invoke(
+        app, ["capture", "cut", str(tmp_path / "out"), "--from", "0", "--to", "3", "-o", str(part)]
+    )
+    replayed = replay_strict(ReplayRequest(part))
+    assert replayed.difference is None
+    assert replayed.duration_s == pytest.approx(3.0)
