@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 
 from host.link.decoder import LinkDecoder
@@ -10,6 +11,7 @@ from host.monitor.listener import Receiver
 WINDOW_S = 5.0
 """Rates are means over this time."""
 LOOKS_KEPT = 100
+MINUTE_S = 60.0
 
 
 class LinkHealth:
@@ -19,9 +21,12 @@ class LinkHealth:
         self.frames = self.sentences = self.bad_crc = self.lost = self.unknown = self.garbage_bytes = 0
         self.bytes = 0
         self.late_ms: float | None = None
-        """How much later the latest dated frame came than the promptest one so far."""
+        """How much later the latest dated frame came than the promptest one of the last minutes."""
         self.worst_late_ms = 0.0
-        self._promptest: float | None = None
+        self._promptest = math.inf
+        """Least difference between arrival and board time in this minute, and in the one before it."""
+        self._promptest_before = math.inf
+        self._minute_s = -math.inf
         self._looks: deque[tuple[float, int, int]] = deque(maxlen=LOOKS_KEPT)
 
     def count(self, decoder: LinkDecoder, at_s: float) -> None:
@@ -52,16 +57,19 @@ class LinkHealth:
             looks.popleft()
 
     def note_arrival(self, time_us: int, at_s: float) -> None:
-        """A frame with board time `time_us` came at `at_s`."""
+        """A frame with board time `time_us` came at `at_s`. Minutes go by so that clocks may drift apart."""
         offset = at_s - time_us * 1e-6
-        if self._promptest is None or offset < self._promptest:
-            self._promptest = offset
-        self.late_ms = (offset - self._promptest) * 1e3
+        if at_s - self._minute_s >= MINUTE_S or at_s < self._minute_s:
+            self._minute_s = at_s
+            self._promptest_before, self._promptest = self._promptest, math.inf
+        self._promptest = min(self._promptest, offset)
+        self.late_ms = (offset - min(self._promptest, self._promptest_before)) * 1e3
         self.worst_late_ms = max(self.worst_late_ms, self.late_ms)
 
     def forget_arrivals(self) -> None:
         """The board's clock, or the way to it, is another now."""
-        self._promptest = self.late_ms = None
+        self._promptest = self._promptest_before = math.inf
+        self.late_ms = None
         self.worst_late_ms = 0.0
 
     @property

@@ -8,11 +8,14 @@ from rich.text import Text
 
 from firmware.drivers import gnss_epoch as epoch
 from firmware.drivers.satellite_lists import SatelliteInView
+from firmware.link import frames
 from host.monitor.bars import bar
 from host.monitor.state import BoardState
 from host.monitor.words import number
 
 BEST_DBHZ = 55.0
+OLD_S = 2.5
+"""Epochs come once a second or more often."""
 LETTERS = {"GPS": "G", "GLONASS": "R", "Galileo": "E", "BeiDou": "C", "QZSS": "J", "SBAS": "S"}
 STRONG_DBHZ, WEAK_DBHZ = 38, 28
 NARROWEST = 11
@@ -26,6 +29,9 @@ def fix_line(state: BoardState) -> Text:
     gnss = state.gnss
     if gnss is None:
         return Text("no epoch of the receiver yet", "dim")
+    silent_s = state.at_s - state.seen_s.get(frames.GNSS, state.at_s)
+    if silent_s > OLD_S:
+        return Text(f"no epoch for {silent_s:.0f} s", "bold red")
     style = "bold green" if gnss.flags & epoch.HAS_POSITION else "bold red"
     told = f" {gnss.satellites} used"
     if gnss.flags & epoch.HAS_ACCURACY:

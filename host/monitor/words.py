@@ -61,8 +61,9 @@ def utc(time_of_day_ms: int, date_days: int) -> str:
     """Date and time to the tenth of a second, as far as they are known."""
     if time_of_day_ms == NO_TIME_OF_DAY or time_of_day_ms >= DAY_MS + 1000:
         return UNKNOWN
-    seconds, ms = divmod(time_of_day_ms, 1000)
-    time = f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60:02d}.{ms // 100}"
+    leap = time_of_day_ms >= DAY_MS
+    seconds, ms = divmod(time_of_day_ms - 1000 * leap, 1000)
+    time = f"{seconds // 3600:02d}:{seconds // 60 % 60:02d}:{seconds % 60 + leap:02d}.{ms // 100}"
     if date_days == NO_DATE:
         return time
     return f"{GPS_EPOCH + timedelta(days=date_days):%Y-%m-%d} {time}"

@@ -17,6 +17,7 @@ from firmware.link import frames
 from host.cli.main import app
 from host.monitor.figures import figures_line
 from host.monitor.view import MonitorView
+from host.monitor.words import utc
 
 GOLDEN = Path(__file__).parent / "golden"
 WRITE = "NAVTWIN_WRITE_GOLDEN"
@@ -55,7 +56,7 @@ def test_snapshot_of_a_capture(size, tmp_path, monkeypatch):
 
 
 @settings(max_examples=40, deadline=None)
-@given(some.integers(-3, 260), some.integers(-3, 120))
+@given(some.integers(-3, 200), some.integers(-3, 70))
 def test_every_size_is_filled_exactly(drive, width, height):
     for view in (drive, MonitorView("nobody")):
         lines = picture(view, max(width, 1), max(height, 1)).split("\n")
@@ -215,3 +216,31 @@ def test_a_day_of_talk_stays_small():
     assert len(view.state.events) == 200
     assert len(view.state.innovations) == 120
     assert "event 5999" in picture(view, 80, 24)
+
+
+def test_what_has_stopped_is_told(drive):
+    view = told(spoken(12))
+    assert "no solution" not in picture(view, 80, 24)
+    view.time_passes(20.0)
+    text = picture(view, 80, 24)
+    assert "no solution for 8 s" in text
+    assert "no epoch for 8 s" in text
+
+
+def test_lateness_is_no_drift_of_clocks():
+    """Half an hour with a board clock that is 100 ppm slow: a frame 30 ms late is told as such, the 180 ms
+    by which the clocks have come apart are not."""
+    view = MonitorView("a board")
+    writer = frames.FrameWriter()
+    for k in range(1, 3600):
+        board_s = k * 0.5
+        late_s = 0.03 if k == 3599 else 0.0
+        view.feed(solution(writer, board_s), board_s * 1.0001 + late_s)
+    assert view.link.late_ms == pytest.approx(30.0, abs=13.0)
+    assert view.link.worst_late_ms < 45.0
+
+
+def test_a_leap_second_is_told_as_one():
+    assert utc(86_399_950, 16_140) == "2024-03-15 23:59:59.9"
+    assert utc(86_400_500, 16_140) == "2024-03-15 23:59:60.5"
+    assert utc(0xFFFF_FFFF, 0xFFFF) == "-"
