@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from struct import Struct
 from typing import Any, Final
 
@@ -15,6 +14,7 @@ from firmware.link.frames import PAYLOADS, SOLUTION, SYNC, FrameWriter
 from firmware.numerics.dialect import entry_point
 from hal.can import CanSet
 
+FLOAT32: Final = np.dtype(np.float32)
 PACK_WORDS: Final = Struct(f"={place.WORDS}q").pack_into
 
 
@@ -38,7 +38,7 @@ class SolutionOutput:
 
     def pack(
         self,
-        floats: NDArray[Any] | Sequence[float],
+        floats: NDArray[Any],
         integers: NDArray[np.int64],
         time_us: int,
         time_of_day_ms: int,
@@ -51,5 +51,7 @@ class SolutionOutput:
             self._word_bytes, 0, time_us, time_of_day_ms, date_days, self._writer.next_sequence(), counter
         )
         pack = self._pack
-        pack(np.asarray(floats, np.float32), integers, self._words, self._data, self._numbers)
+        if floats.dtype is not FLOAT32:
+            floats = floats.astype(FLOAT32)
+        pack(floats, integers, self._words, self._data, self._numbers)
         return bytes(self._frame), CanSet(self._identifiers, bytes(self._can))

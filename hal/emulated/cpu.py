@@ -76,7 +76,6 @@ class EmulatedCpu:
         self._enabled = 0
         self._boot_ns = 0
         self._polls = 0
-        self._nested_ns = 0
         self._owner: greenlet | None = None
         self._greenlet: greenlet | None = None
         self._reset_cause = ""
@@ -262,13 +261,12 @@ class EmulatedCpu:
         that went like the one before, undisturbed, is only counted.
         """
         time = self.time
+        begin = time.now
         outer = self.running
-        nested_ns = self._nested_ns
         while ready := self.pending & outer.open:
             bit = ready & -ready
             self.pending ^= bit
             self.running = line = self._by_bit[bit]
-            self._nested_ns = 0
             start = time.now
             waited = start - line.pended_at
             entered = start + self._entry_ns
@@ -279,13 +277,12 @@ class EmulatedCpu:
             handler = line.handler  # by a name of its own: a call of what a slot holds is slow
             handler()
             took = time.now - start
-            if took == line.usual_ns and not waited and not self._nested_ns:
+            if took == line.usual_ns and not waited and not line.nested_ns:
                 line.repeats += 1
             else:
-                line.account(waited, took, self._nested_ns)
-            nested_ns += took
+                line.account(waited, took)
         self.running = outer
-        self._nested_ns = nested_ns
+        outer.nested_ns += time.now - begin
 
     # -- the passing of time -----------------------------------------------------------------------
 
@@ -382,9 +379,10 @@ class EmulatedCpu:
         self.pending = self._enabled = 0
         for line in self.lines.values():
             line.open = RESET_BIT
+            line.nested_ns = 0
         self._thread.open = RESET_BIT
         self.running = self._thread
-        self._nested_ns = self._polls = 0
+        self._polls = 0
         raise ProcessorReset(self._reset_cause)
 
 

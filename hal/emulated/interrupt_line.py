@@ -39,6 +39,7 @@ class EmulatedLine:
         "deadline_misses",
         "deadline_ns",
         "handler",
+        "nested_ns",
         "open",
         "overruns",
         "pended_at",
@@ -62,6 +63,8 @@ class EmulatedLine:
         self.deadline_ns = FAR if spec.deadline_ns is None else spec.deadline_ns
         self.handler: Callable[[], None] = _unattached
         self.pended_at = 0
+        self.nested_ns = 0
+        """What more urgent lines have taken of the activation at work."""
         self.overruns = 0
         self.deadline_misses = 0
         self.usual_ns = NEVER_YET
@@ -84,10 +87,9 @@ class EmulatedLine:
         """Time in the handler, more urgent lines left out."""
         return self._others_ns + self.repeats * self.usual_ns
 
-    def account(self, waited: int, took: int, nested: int) -> None:
-        """An activation unlike the one before: it began `waited` after the request and took `took`, of which
-        `nested` went to more urgent lines (ns).
-        """
+    def account(self, waited: int, took: int) -> None:
+        """An activation unlike the one before: it began `waited` after the request and took `took` ns."""
+        nested, self.nested_ns = self.nested_ns, 0
         response, busy = waited + took, took - nested
         self.worst_busy_ns = max(self.worst_busy_ns, busy)
         self.worst_start_ns = max(self.worst_start_ns, waited)

@@ -332,3 +332,39 @@ def test_run_goes_on_where_it_stopped() -> None:
         logs.append(firmware.ticks)
         machine.power_off()
     assert logs[0] == logs[1]
+
+
+def test_an_activation_broken_off_by_a_reset_leaves_nothing_to_the_next() -> None:
+    """High interrupts low, then a reset ends low; later low works 1000 cycles alone, all of it its own."""
+    cpu = processor()
+
+    def program() -> None:
+        works(cpu, "low", 1000, [])
+        works(cpu, "high", 200, [])
+        cpu.wait_for_interrupt()
+
+    request_at(cpu, "low", 1000, 100_000)
+    request_at(cpu, "high", 2000)
+    cpu.time.at(6000, lambda: cpu.reset("watchdog"))
+    machine = Machine(cpu.time)
+    machine.add(cpu, program)
+    machine.run_until(200_000)
+    machine.power_off()
+    low = cpu.lines["low"]
+    assert [cause for _at, cause in cpu.resets] == ["watchdog"]
+    assert (low.activations, low.busy_ns, low.worst_busy_ns) == (1, 10_120, 10_120)
+
+
+def test_figures_of_repeated_activations_are_those_of_each() -> None:
+    """A hundred alike, one that is interrupted, a hundred alike again, ten shorter ones."""
+    cpu = processor()
+    lengths = iter([1000] * 201 + [300] * 10)
+    cpu.attach("low", lambda: cpu.spend(next(lengths)))
+    works(cpu, "high", 200, [])
+    request_at(cpu, "low", *(50_000 * n for n in range(1, 212)))
+    request_at(cpu, "high", 50_000 * 101 + 5000)
+    cpu.spend(1_500_000)
+    low = cpu.lines["low"]
+    assert low.activations == 211
+    assert low.busy_ns == 201 * 10_120 + 10 * 3_120
+    assert (low.worst_busy_ns, low.worst_response_ns, low.deadline_misses) == (10_120, 12_240, 1)
