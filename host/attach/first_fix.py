@@ -18,7 +18,8 @@ NEEDED = epoch.HAS_POSITION | epoch.HAS_TIME | epoch.HAS_DATE
 POLL_S = 0.05
 TELL_EVERY_S = 2.0
 SENSELESS_S = 5.0
-SENSELESS_BYTES = 300
+SENSELESS_BYTES = 600
+"""For each message that was understood: the longest is shorter, and noise makes one in some 50 000."""
 FULL_POLE_DEG = 89.0
 
 
@@ -64,9 +65,10 @@ def wait_for_fix(port: ReceiverPort, limit_s: float, tell: Callable[[str], None]
                     fix = _fix(message)
                     if fix is not None:
                         return fix
-        if received > SENSELESS_BYTES and not receiver.heard and time.monotonic() - begin > SENSELESS_S:
+        senseless = received > SENSELESS_BYTES * (1 + receiver.heard)
+        if senseless and time.monotonic() - begin > SENSELESS_S:
             raise UserError(
-                f"--port {port.url}: {received} bytes at {port.link.baud} baud and no NMEA or UBX message;"
+                f"--port {port.url}: {received} bytes at {port.link.baud} baud make no sense as NMEA or UBX;"
                 " leave --baud out to have the rate found, or is it another kind of device?"
             )
         while port.notes:

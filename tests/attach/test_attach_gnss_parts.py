@@ -82,7 +82,7 @@ def test_no_fix_in_time_says_what_there_was():
 def test_bytes_without_sense_are_told_before_the_time_is_over(monkeypatch):
     monkeypatch.setattr(first_fix, "SENSELESS_S", 0.05)
     port = Port(*[bytes(range(128, 228))] * 10)
-    with pytest.raises(UserError, match="1000 bytes at 9600 baud and no NMEA or UBX"):
+    with pytest.raises(UserError, match="1000 bytes at 9600 baud make no sense as NMEA or UBX"):
         wait_for_fix(port, 30.0, lambda _text: None)
 
 
