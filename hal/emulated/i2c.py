@@ -198,24 +198,27 @@ class EmulatedI2cBus:
 class _Wire:
     """Counts the clocks of one transaction, lets their time pass, and keeps what has come of it by now."""
 
+    __slots__ = ("_clocks", "_cpu", "_frequency_hz", "_start", "acknowledged", "end", "read", "refusal")
+
     def __init__(self, cpu: EmulatedCpu, start: int, frequency_hz: int) -> None:
         self._cpu = cpu
-        self._start = start
+        self._start = self.end = start
+        """`end`: of the clocks so far (ns)."""
         self._frequency_hz = frequency_hz
         self._clocks = 0
         self.acknowledged = 0
         self.read = b""
         self.refusal: ErrorKind | None = ErrorKind.OTHER
 
-    @property
-    def end(self) -> int:
-        """Of the clocks so far (ns)."""
-        return self._start + self._clocks * SECOND // self._frequency_hz
-
     def clocks(self, count: int) -> None:
-        self._clocks += count
-        self._cpu.wait_until(self.end)
+        self._clocks = clocks = self._clocks + count
+        self.end = end = self._start + clocks * SECOND // self._frequency_hz
+        time = self._cpu.time
+        if time.now < end < time.limit:
+            time.now = end
+        else:
+            self._cpu.wait_until(end)
 
     def hold(self, duration_ns: int) -> None:
         self._start += duration_ns
-        self._cpu.wait_until(self.end)
+        self.clocks(0)

@@ -15,7 +15,7 @@ from __future__ import annotations
 from bisect import bisect_right
 
 from boards.chips.adxl345.bus_side import CS_HIGH_NS, BusSide, PinNet
-from boards.chips.adxl345.fifo import BYPASS
+from boards.chips.adxl345.fifo import BYPASS, POP_NS
 from boards.chips.adxl345.register_map import (
     DATA,
     DATA_FORMAT,
@@ -116,7 +116,12 @@ class Adxl345(BusSide):
         ):
             return self._transaction(mosi, start_ns, end_ns)
         if start_ns >= self._fast_to:
-            return self._pop(start_ns, end_ns) or self._transaction(mosi, start_ns, end_ns)
+            frame = self._pop(start_ns, end_ns)
+            if frame is None:
+                return self._transaction(mosi, start_ns, end_ns)
+            self._ended_ns = end_ns
+            self._ready_ns = end_ns + CS_HIGH_NS
+            return frame
         self._read_ns = start_ns
         self._ended_ns = end_ns
         self._ready_ns = end_ns + CS_HIGH_NS
@@ -128,24 +133,25 @@ class Adxl345(BusSide):
         return self._frame
 
     def _pop(self, start_ns: int, end_ns: int) -> bytes | None:
-        """The same read where it takes a sample out of the FIFO; None when there is more to it."""
+        """The same read where it takes a sample out of the FIFO; None when there is more to it.
+
+        It is complete 5 µs after `end_ns`; on I²C, where that does not matter, at once."""
         core = self._core
         fifo = core.fifo
-        if not self._fifo_way or fifo.settling(start_ns + (end_ns - start_ns) // STRIDE):
+        if not self._fifo_way or fifo.settling(start_ns + max(0, end_ns - start_ns) // STRIDE):
             return None
         if start_ns >= self._next_ns:
             core.advance(start_ns)
             self._next_ns = core.next_sample_ns
-        if not fifo.data_ready:
-            return None
-        self._ended_ns = end_ns
-        self._ready_ns = end_ns + CS_HIGH_NS
-        return fifo.pop(end_ns)
+        return fifo.pop(end_ns) if fifo.data_ready else None
 
     def i2c_read(self, address: int, count: int, time_ns: int) -> bytes:
-        """A burst read by I²C; the six data bytes in bypass mode take the short way."""
-        if time_ns >= self._fast_to or address != DATA[0] or count != len(DATA) or self._too_fast_for_i2c:
+        """A burst read by I²C; the six data bytes take the short way too."""
+        if address != DATA[0] or count != len(DATA) or self._too_fast_for_i2c:
             return super().i2c_read(address, count, time_ns)
+        if time_ns >= self._fast_to:
+            frame = self._pop(time_ns, time_ns - POP_NS)
+            return frame[1:] if frame is not None else super().i2c_read(address, count, time_ns)
         self._read_ns = time_ns
         if time_ns >= self._next_ns:
             self._find_row(time_ns)
