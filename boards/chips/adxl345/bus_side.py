@@ -70,7 +70,6 @@ class BusSide(ABC):
     __slots__ = (
         "_core",
         "_ended_ns",
-        "_powered",
         "_read_ns",
         "_ready_ns",
         "_three_wire",
@@ -80,6 +79,7 @@ class BusSide(ABC):
         "log",
         "name",
         "pins",
+        "powered",
     )
 
     def __init__(
@@ -105,7 +105,8 @@ class BusSide(ABC):
         self._time = time
         self._three_wire = spi_wires == 3
         self._core = Core(world, self.log, round(clock_error_ppm * 1000.0), supply_v)
-        self._powered = True
+        self.powered = True
+        """Whether the chip has its supply."""
         self._read_ns: int | None = None
         """When the short way last read the data registers, while the core does not know of it."""
         self._ended_ns = self._ready_ns = 0
@@ -120,16 +121,11 @@ class BusSide(ABC):
 
     # -- power -------------------------------------------------------------------------------------
 
-    @property
-    def powered(self) -> bool:
-        """Whether the chip has its supply."""
-        return self._powered
-
     def power(self, on: bool) -> None:
         """Switch the supply, now. Without power the chip does not answer; with it, it starts in standby."""
-        if on == self._powered:
+        if on == self.powered:
             return
-        self._powered = on
+        self.powered = on
         self._read_ns = None
         self._vetted = 0
         if on:
@@ -145,7 +141,7 @@ class BusSide(ABC):
 
     def _transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
         count = len(mosi) - 1
-        if not self._powered or count < 0:
+        if not self.powered or count < 0:
             return bytes((_UNDRIVEN,)) * len(mosi)
         fits = self._keeps_wire_rules(count + 1, start_ns, end_ns)
         self._ended_ns, self._ready_ns = end_ns, end_ns + CS_HIGH_NS

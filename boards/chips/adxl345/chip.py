@@ -171,7 +171,7 @@ class Adxl345(BusSide):
         core = self._core
         self._fast_to = self._next_ns = 0
         self._fifo_way = False
-        if not self._powered or not core.steady:
+        if not self.powered or not core.steady:
             return
         if self._net is None and self._mask & LIVE:
             return  # a read ends an assertion of the general kind
@@ -225,7 +225,7 @@ class Adxl345(BusSide):
         asserted = self._core.asserted()
         inverted = bool(self._core.registers.values[DATA_FORMAT] & INT_INVERT)
         for pin in self._watched():
-            self.pins[_PIN_NAMES[pin]].set(self._powered and asserted[pin] != inverted)  # type: ignore[union-attr]
+            self.pins[_PIN_NAMES[pin]].set(self.powered and asserted[pin] != inverted)  # type: ignore[union-attr]
 
     def _sources(self, pin: int) -> int:
         values = self._core.registers.values
@@ -242,7 +242,7 @@ class Adxl345(BusSide):
         if not watched:
             return
         self._drive()
-        if not self._powered:
+        if not self.powered:
             return
         busy = [pin for pin in watched if self._sources(pin)]
         for pin in busy:

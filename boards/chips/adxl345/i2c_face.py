@@ -14,11 +14,8 @@ class RegisterBus(Protocol):
     """What the face needs of the chip."""
 
     log: AccessLog
-
-    @property
-    def powered(self) -> bool:
-        """Whether the chip acknowledges its address."""
-        ...
+    powered: bool
+    """Whether the chip acknowledges its address."""
 
     def i2c_read(self, address: int, count: int, time_ns: int) -> bytes:
         """A burst read."""
@@ -50,7 +47,8 @@ class I2cFace:
         """Bytes from the master: register address, then values. Returns how many were acknowledged."""
         if not self._chip.powered:
             return 0
-        self._check_clock(time_ns)
+        if self._too_fast:
+            self._report_clock(time_ns)
         if data:
             if data[0] & ~_POINTER:
                 detail = f"register address 0x{data[0]:02X} has more than six bits; the upper two are dropped"
@@ -58,22 +56,19 @@ class I2cFace:
             self._pointer = data[0] & _POINTER
             if len(data) > 1:
                 self._chip.i2c_write(self._pointer, data[1:], time_ns)
-                self._move(len(data) - 1)
+                self._pointer = (self._pointer + len(data) - 1) & _POINTER
         return len(data)
 
     def read(self, length: int, time_ns: int) -> bytes:
         """Bytes to the master from the register pointer on; 0xFF (an idle bus) without power."""
         if not self._chip.powered:
             return b"\xff" * length
-        self._check_clock(time_ns)
-        data = self._chip.i2c_read(self._pointer, length, time_ns)
-        self._move(length)
-        return data
-
-    def _move(self, count: int) -> None:
-        self._pointer = (self._pointer + count) & _POINTER
-
-    def _check_clock(self, time_ns: int) -> None:
         if self._too_fast:
-            detail = "clock faster than 400 kHz: undefined, served as if it were slower"
-            self._chip.log.report(ReportKind.TIMING, "I2C", detail, time_ns)
+            self._report_clock(time_ns)
+        first = self._pointer
+        self._pointer = (first + length) & _POINTER
+        return self._chip.i2c_read(first, length, time_ns)
+
+    def _report_clock(self, time_ns: int) -> None:
+        detail = "clock faster than 400 kHz: undefined, served as if it were slower"
+        self._chip.log.report(ReportKind.TIMING, "I2C", detail, time_ns)
