@@ -161,6 +161,7 @@ class GnssSession:
             "baud": self._port.link.baud,
             "rate_changes": line.rate_changes,
             "bytes_from_receiver": line.bytes_in,
+            "bytes_dropped": line.bytes_dropped,
             "bytes_to_receiver": line.bytes_out,
             "port_losses": counters.losses,
             "port_reopenings": counters.reopenings,

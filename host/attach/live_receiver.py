@@ -6,13 +6,20 @@ board disagree about it, the port's hardware has garbled the bytes already.
 
 from __future__ import annotations
 
+from collections import deque
+
 from boards.assembly import AssembledBoard
 from boards.chips.world import GnssWorld
 from hal.emulated.pins import Net
+from hal.emulated.uart_bytes import FRAME
 from hal.emulated.uart_wire import UartWire
 from hal.emulated.virtual_time import VirtualTime
 from host.attach.receiver_port import RATELESS, ReceiverPort
 
+AHEAD_NS = 20_000_000
+"""So much is put on the line ahead of time."""
+LONGEST_WAIT_NS = 2_000_000_000
+"""Of bytes for their turn on the line."""
 MODEL = f"{__name__}:LiveReceiver"
 
 
@@ -41,11 +48,15 @@ class ReceiverLine:
         assert uart is not None
         self.bytes_in = 0
         self.bytes_out = 0
+        self.bytes_dropped = 0
+        """That came faster than the line's rate for too long; only a port without a rate can do that."""
         self.rate_changes = 0
         self.forwarded = 0
         self.forward_ns = 0
         self.longest_forward_ns = 0
         """From the arrival at the port to the board's line."""
+        self._waiting: deque[tuple[int, bytes]] = deque()
+        self._time = board.time
         self._receiver: LiveReceiver = board.chips[refdes]
         self._port = port
         self._uart = board.ports[uart]
@@ -56,14 +67,31 @@ class ReceiverLine:
     def bring_in(self, arrived: list[tuple[int, bytes]], now_ns: int) -> None:
         """Put on the line what has come."""
         if not self._receiver.is_on:
+            self._waiting.clear()
             return
-        for came_ns, data in arrived:
-            self._to_board.set_baud(self._uart.baud)
-            self._to_board.send(data)
-            self.bytes_in += len(data)
+        self._waiting.extend(arrived)
+        self._drop_stale()
+        line = self._to_board
+        line.set_baud(self._uart.baud)
+        while self._waiting and line.idle_from - self._time.now < AHEAD_NS:
+            came_ns, data = self._waiting.popleft()
+            fits = max(1, AHEAD_NS * self._uart.baud // FRAME)
+            if len(data) > fits:
+                self._waiting.appendleft((came_ns, data[fits:]))
+            line.send(data[:fits])
+            self.bytes_in += min(fits, len(data))
             self.forwarded += 1
             self.forward_ns += now_ns - came_ns
             self.longest_forward_ns = max(self.longest_forward_ns, now_ns - came_ns)
+
+    def _drop_stale(self) -> None:
+        """What came faster than the line's rate and would come too late to mean anything."""
+        most = self._uart.baud * LONGEST_WAIT_NS // FRAME
+        waiting = sum(len(data) for _, data in self._waiting)
+        while waiting > most:
+            _, data = self._waiting.popleft()
+            waiting -= len(data)
+            self.bytes_dropped += len(data)
 
     def hand_out(self) -> None:
         """Send to the receiver what the board has sent, then take over the board's rate."""

@@ -156,6 +156,8 @@ def _tell(console: Console, request: GnssRequest, attachment: GnssAttachment, qu
             f" {figures['baud']} baud, {figures['bytes_to_receiver']:,} to it; {attachment.epochs_used:,}"
             " epochs with a position used"
         )
+        if figures["bytes_dropped"]:
+            say(f"{figures['bytes_dropped']:,} bytes came faster than the board's line is, and were dropped")
         if figures["port_losses"]:
             losses, back = figures["port_losses"], figures["port_reopenings"]
             say(f"the port vanished {losses} times, came back {back} times")
