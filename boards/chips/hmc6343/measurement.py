@@ -100,10 +100,10 @@ class Measurements:
     def exit_calibration(self, time_ns: int) -> list[int | None]:
         """The offsets that centre what was seen (counts); None for an axis that saw too little."""
         self.advance(time_ns)
-        assert self._low is not None
-        span, middle = self._high - self._low, (self._high + self._low) / 2.0
+        low, high = self._low, self._high
+        assert low is not None
         self._low = None
         return [
-            -round(float(centre)) if width >= _MINIMUM_SPAN else None
-            for width, centre in zip(span, middle, strict=True)
+            -round((high[axis] + low[axis]) / 2.0) if high[axis] - low[axis] >= _MINIMUM_SPAN else None
+            for axis in range(3)
         ]

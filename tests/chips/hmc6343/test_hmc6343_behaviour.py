@@ -293,6 +293,16 @@ def test_calibration_without_turning_changes_nothing() -> None:
     assert [rig.peek(at) for at in range(0x0E, 0x14)] == [0] * 6
 
 
+def test_calibration_without_a_measurement_changes_nothing() -> None:
+    rig = Rig()
+    rig.start()
+    rig.wait(10 * MS)
+    rig.command(0x71, delay_ns=300 * US)
+    rig.command(0x7E, delay_ns=50 * MS)
+    assert [rig.peek(at) for at in range(0x0E, 0x14)] == [0] * 6
+    assert rig.details == []
+
+
 def test_leaving_a_calibration_that_was_not_entered() -> None:
     rig = Rig()
     rig.start()
