@@ -4,6 +4,7 @@ python -m host.bench               speed, shares and start-up: about five minute
 python -m host.bench --memory      also a run of ten hours beside one of one hour
 python -m host.bench --campaign N  only N runs of ten minutes on two workers beside one process
 python -m host.bench --chips       only what a read costs through driver, bus and chip model
+python -m host.bench --bytecodes   only byte codes a tick by function, the same on a busy machine
 python -m host.bench --json FILE   the figures as JSON ("-": standard output)
 """
 
@@ -23,6 +24,8 @@ WANTED = {
     "start_s": 1.5,
 }
 HOUR_S = 3600.0
+LEAST_BYTECODES = 0.5
+"""A tick; functions with fewer are not listed."""
 
 
 def main() -> None:
@@ -32,6 +35,7 @@ def main() -> None:
     parser.add_argument("--memory", action="store_true", help="compare ten hours with one")
     parser.add_argument("--campaign", type=int, metavar="N", help="only a campaign of N runs on two workers")
     parser.add_argument("--chips", action="store_true", help="only reads through driver, bus and chip model")
+    parser.add_argument("--bytecodes", action="store_true", help="only byte codes a tick by function")
     parser.add_argument("--repeats", type=int, default=3, help="runs of which the best counts")
     parser.add_argument("--duration", type=float, help="seconds of the drive (default: all)")
     options = parser.parse_args()
@@ -44,6 +48,9 @@ def main() -> None:
         from host.bench.chip_reads import read_us
 
         print(json.dumps(read_us(options.repeats), indent=1))
+        return
+    if options.bytecodes:
+        _show_bytecodes()
         return
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
@@ -64,6 +71,17 @@ def main() -> None:
     if options.json:
         Path(options.json).write_text(text, encoding="utf-8")
     _show(figures)
+
+
+def _show_bytecodes() -> None:
+    from host.bench.bytecodes import bytecodes_per_tick
+    from host.bench.measure import BOARD, SCENARIO
+
+    counts = bytecodes_per_tick(BOARD, SCENARIO)
+    print(f"{sum(counts.values()):8.1f} byte codes a tick of 10 ms")
+    for name, count in counts.items():
+        if count >= LEAST_BYTECODES:
+            print(f"{count:8.1f} {name}")
 
 
 def _show(figures: dict[str, Any]) -> None:

@@ -1,0 +1,93 @@
+"""What it costs to read a sample through driver, bus and chip model: processor time, best of several.
+
+The world is trivial (constant), so that a figure is that of driver, bus and model; blocks of samples are
+part of it. `together` reads seven chips on one controller at 200 Hz, the figure being that of one read.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from boards.chips.adxl345 import Adxl345 as Adxl345Model
+from firmware.drivers.adxl345 import Adxl345, Adxl345Config, Outcome
+from firmware.drivers.adxl345_ports import I2cPort, RegisterPort, SpiPort
+from hal.emulated.cpu import EmulatedCpu
+from hal.emulated.i2c import EmulatedI2cBus
+from hal.emulated.spi import EmulatedSpiBus, SpiTiming
+from hal.emulated.virtual_time import SECOND, VirtualTime
+
+RATE_HZ = 200
+SAMPLES = 4_000
+CHIPS_TOGETHER = 7
+MEGAHERTZ = 1_000_000
+
+
+class Still:
+    """A world at rest."""
+
+    def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> NDArray[np.float64]:
+        """See boards.chips.world.ImuWorld."""
+        return np.tile([0.0, 0.0, 9.80665, 0.0, 0.0, 0.0, 25.0], (len(times_ns), 1))
+
+
+class Bench:
+    """A processor with ADXL345s on SPI at 5 MHz, or one on I²C at 400 kHz."""
+
+    def __init__(self, count: int = 1, *, i2c: bool = False, fifo: str = "bypass") -> None:
+        self.cpu = EmulatedCpu(VirtualTime(), "mcu", 168 * MEGAHERTZ)
+        config = Adxl345Config(rate_hz=RATE_HZ, fifo=fifo)
+        ports = [self._i2c_port()] if i2c else self._spi_ports(count)
+        self.chips = [Adxl345(port, self.cpu, config) for port in ports]
+        for chip in self.chips:
+            if chip.start() is not Outcome.OK:
+                raise RuntimeError("the ADXL345 of the benchmark does not start")
+
+    def _spi_ports(self, count: int) -> list[RegisterPort]:
+        bus = EmulatedSpiBus(self.cpu, SpiTiming(5 * MEGAHERTZ))
+        return [SpiPort(bus.device(Adxl345Model(self.cpu.time, Still()), f"U{k}")) for k in range(count)]
+
+    def _i2c_port(self) -> RegisterPort:
+        bus = EmulatedI2cBus(self.cpu, 400_000)
+        model = Adxl345Model(self.cpu.time, Still())
+        bus.attach(model.i2c.address, model.i2c)
+        return I2cPort(bus)
+
+    def read_all(self) -> None:
+        """Every chip once."""
+        for chip in self.chips:
+            chip.read()
+
+
+def read_us(repeats: int) -> dict[str, float]:
+    """Microseconds of a read of six data bytes, each time of a new sample, by way of reading."""
+    return {
+        "adxl345_spi": _per_read(Bench(), repeats),
+        "adxl345_spi_fifo": _per_read(Bench(fifo="stream"), repeats),
+        "adxl345_spi_seven_together": _per_read(Bench(CHIPS_TOGETHER), repeats),
+        "adxl345_i2c": _per_read(Bench(i2c=True), repeats),
+    }
+
+
+def _per_read(bench: Bench, repeats: int) -> float:
+    """Reading once a sample, less the processor's wait alone."""
+    pause = 168 * MEGAHERTZ // RATE_HZ
+
+    def once_a_sample() -> None:
+        bench.read_all()
+        bench.cpu.spend(pause)
+
+    reading = min(_seconds(once_a_sample) for _ in range(repeats))
+    waiting = min(_seconds(lambda: bench.cpu.spend(pause)) for _ in range(repeats))
+    return (reading - waiting) / SAMPLES / len(bench.chips) * SECOND / 1_000
+
+
+def _seconds(work: Callable[[], None]) -> float:
+    """Processor time of `work` for each sample."""
+    begin = time.process_time()
+    for _ in range(SAMPLES):
+        work()
+    return time.process_time() - begin
