@@ -16,6 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hal.emulated.i2c import I2cTransfer
 from host.capture.blocks import SPI_HEAD, SpiTransaction
 from host.record.tables import Table
 
@@ -159,3 +160,18 @@ class Bmi160Traffic:
 
 DECODERS = {"BMI160": Bmi160Traffic}
 """By part."""
+
+
+def register_access(done: I2cTransfer, clock_hz: int) -> SpiTransaction | None:
+    """A transaction on I²C as the same access on SPI, beginning when the registers are read; None: refused.
+
+    The bytes read take 9 clocks each, and the stop condition one.
+    """
+    if done.refusal is not None or not done.written:
+        return None
+    register, values = done.written[0], done.written[1:]
+    if not done.asked:
+        return SpiTransaction("", done.start_ns, done.end_ns, done.written, bytes(1 + len(values)))
+    begin_ns = done.end_ns - (9 * len(done.read) + 1) * 1_000_000_000 // clock_hz
+    sent = bytes((register | 0x80,)) + bytes(len(done.read))
+    return SpiTransaction("", begin_ns, done.end_ns, sent, b"\0" + done.read)

@@ -33,6 +33,7 @@ from host.importers.units import DEGREES, Unit
 from host.record.errors import UserError
 
 SCALES = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "iso8601": 1.0}
+SHOWN, MOST_NAMES = 24, 60
 DELIMITERS = ",;\t|"
 UNIX_EPOCH = datetime.fromisoformat("1970-01-01T00:00:00+00:00")
 
@@ -88,7 +89,7 @@ class _Layout:
             return column - 1
         if column in self.names:
             return self.names.index(column)
-        hint = did_you_mean(column, [name for name in self.names if name])
+        hint = did_you_mean(column, [ascii(name[:SHOWN])[1:-1] for name in self.names[:MOST_NAMES] if name])
         raise UserError(
             f"{self.path}: {key} names the column {column!r}, which the header does not have; {hint}"
         )

@@ -33,7 +33,11 @@ def arrays_of(
             wanted = [*keys, *(key for key in optional if key in names)]
             data = {key: np.asarray(archive[key], dtype=np.float64) for key in wanted}
     except (OSError, ValueError, TypeError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
-        raise UserError(f"{path}: cannot be read as a NumPy archive: {error}") from None
+        cause = str(error).partition(". ")[0]
+        names = ", ".join(keys)
+        raise UserError(
+            f"{path}: cannot be read as a NumPy archive: {cause}; {kind} is an archive (.npz) of {names}"
+        ) from None
     for key, width in keys.items():
         shape = data[key].shape
         if len(shape) != (1 if width is None else 2) or (width is not None and shape[1] != width):

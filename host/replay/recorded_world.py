@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from boards.chips.world import GnssEpoch
 from boards.description import Board
-from host.capture.blocks import SpiTransaction
-from host.capture.inertial_samples import DECODERS, InertialSamples
+from host.capture.blocks import I2cTransaction, SpiTransaction
+from host.capture.inertial_samples import DECODERS, InertialSamples, register_access
 from host.capture.reader import CaptureReader, Decoded
 from host.record.errors import UserError
 from host.record.run_data import NAVIGATING
@@ -180,6 +180,20 @@ class RecordedWorld(World):
         return self
 
 
+def _places_on_i2c(board: Board) -> dict[tuple[str, int], tuple[str, int]]:
+    """Bus and address of the inertial sensors on I²C: which one it is, and the bus's clock in Hz.
+
+    A BMI160 has the address 0x69 when its pin SDO is high, else 0x68 (fact sheet, on I²C).
+    """
+    places = {}
+    for refdes, chip in board.chips.items():
+        bus = board.buses.get(chip.bus or "")
+        if bus is not None and bus.kind == "i2c" and chip.part in DECODERS:
+            address = 0x69 if chip.parameters.get("sdo_high") else 0x68
+            places[str(chip.bus), address] = f"{chip.bus}.{chip.name or refdes}", bus.clock_hz
+    return places
+
+
 class RecordedContent(Protocol):
     """What a physical replay needs of a capture."""
 
@@ -209,11 +223,18 @@ class CaptureContent:
             for refdes, chip in recorded_board.chips.items()
             if chip.bus is not None and chip.part in DECODERS
         }
+        on_i2c = _places_on_i2c(recorded_board)
         for record in reader:
             if isinstance(record, SpiTransaction):
                 self.end_ns = max(self.end_ns, record.end_ns)
                 if record.bus in traffic:
                     traffic[record.bus][1].add((record,))
+            elif isinstance(record, I2cTransaction):
+                self.end_ns = max(self.end_ns, record.transfer.end_ns)
+                place = on_i2c.get((record.bus, record.transfer.address))
+                access = None if place is None else register_access(record.transfer, place[1])
+                if place is not None and access is not None:
+                    traffic[place[0]][1].add((access,))
             elif isinstance(record, Decoded) and record.topic in rows:
                 rows[record.topic].append(record.value)
         self.epochs, self.climbs = rows["/gnss"], rows["/solution"]

@@ -2,6 +2,7 @@
 
 import csv
 
+import numpy as np
 import pytest
 from replay_captures import tampered
 from typer.testing import CliRunner
@@ -11,7 +12,9 @@ from host.capture.blocks import I2cTransaction
 from host.capture.reader import CaptureReader
 from host.cli.main import app
 from host.record.result import RunRequest
+from host.replay.recorded_world import CaptureContent
 from host.replay.request import ReplayRequest
+from host.replay.setting import recorded_board
 from host.replay.strict import replay_strict
 from host.run.runner import run
 
@@ -189,6 +192,21 @@ def test_the_first_difference_is_shown(tmp_path, captured, change, shown):
     assert outcome.exit_code == 1, outcome.output
     for text in shown:
         assert text in outcome.output
+
+
+def test_samples_are_decoded_as_those_on_spi_are(captured):
+    _, capture, _ = captured
+    reader = CaptureReader(capture)
+    next(iter(reader.messages()))
+    samples = CaptureContent(reader, recorded_board(reader.manifest)).samples["U1"]
+    assert len(samples.times_ns) > 600
+    steps = np.diff(samples.times_ns)
+    assert np.median(steps) == pytest.approx(10_000_000, rel=1e-3)
+    assert np.abs(steps - 10_000_000).mean() < 1e6
+    # At rest and level; the sensor's turn-on bias is some 40 mg an axis.
+    assert np.abs(samples.force.mean(axis=0)) == pytest.approx((0.0, 0.0, 9.8), abs=1.5)
+    assert samples.force.std(axis=0).max() < 0.1
+    assert np.abs(samples.rate).max() < 0.2
 
 
 def test_the_tools_know_it(tmp_path, captured):
