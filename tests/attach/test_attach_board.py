@@ -83,6 +83,7 @@ def test_a_difference_ends_with_one(tmp_path, adapter):
     assert {one["what"] for one in told["shadow"]["differences"]} == {"start", "state", "solution"}
 
 
+@pytest.mark.soak
 def test_bytes_that_are_lost_or_wrong_are_no_difference(tmp_path, adapter):
     data = said()
     spoilt = bytearray(data[: len(data) // 3] + data[len(data) // 3 + 500 :])
@@ -109,12 +110,12 @@ def test_unplugged_and_plugged_in_again(tmp_path, adapter):
         adapter.unplug()
         time.sleep(0.5)
         adapter.plug_in()
-        time.sleep(1.5)
+        time.sleep(0.9)
         adapter.say(data[half + 3000 :])
 
     thread = threading.Thread(target=work, daemon=True)
     thread.start()
-    code, told = attached(tmp_path, adapter.path, 4.5)
+    code, told = attached(tmp_path, adapter.path, 3.5)
     thread.join(10)
     assert code == 0
     assert (told["line"]["port_losses"], told["line"]["port_reopenings"]) == (1, 1)
@@ -122,6 +123,7 @@ def test_unplugged_and_plugged_in_again(tmp_path, adapter):
     assert told["shadow"]["differences"] == []
 
 
+@pytest.mark.soak
 def test_another_rate_is_found(tmp_path):
     slow = Adapter(tmp_path / "ttySLOW", 115_200)
     data = said()
@@ -133,6 +135,7 @@ def test_another_rate_is_found(tmp_path):
     assert told["shadow"]["solutions_equal"] > 200
 
 
+@pytest.mark.soak
 def test_a_rate_that_was_given_is_kept_and_explained(tmp_path, adapter, capsys):
     with saying(adapter, 0.1, said()[:5000]), pytest.raises(UserError, match="not one frame of our link"):
         attached(tmp_path, adapter.path, 2.0, baud=9600)

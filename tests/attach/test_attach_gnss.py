@@ -83,11 +83,11 @@ def assert_it_replays(tmp_path: Path, told: dict) -> None:
 def test_a_receiver_is_configured_and_used(tmp_path, double):
     name = str(tmp_path / "ttyGPS")
     double("simulated_receiver.py", name)
-    code, told, said = ended(tmp_path, start(tmp_path, name, "--seconds", "7"))
+    code, told, said = ended(tmp_path, start(tmp_path, name, "--seconds", "5"))
     assert code == 0, said
     assert (told["baud"], told["rate_changes"]) == (115_200, 1)
     assert told["bytes_to_receiver"] >= 28
-    assert told["epochs_used"] >= 4
+    assert told["epochs_used"] >= 2
     assert told["first_fix"]["latitude_deg"] == pytest.approx(LATITUDE, abs=2e-5)
     assert told["first_fix"]["longitude_deg"] == pytest.approx(LONGITUDE, abs=2e-5)
     assert LATENCY_MS - 5 <= told["latency"]["latency_median_ms"] < LATENCY_MS + 100
