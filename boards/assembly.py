@@ -148,6 +148,9 @@ def _wires(board: AssembledBoard) -> None:
 
 def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Surroundings) -> None:
     model = _named(chip.model, f"chip {refdes}")
+    feels = getattr(model, "feels", chip.world)
+    if chip.world != feels:
+        raise DescriptionError(f'chips.{refdes}.world = "{chip.world}": a {chip.part} feels "{feels}"')
     world = getattr(surroundings, chip.world)(refdes, chip)
     arguments: list[Any] = [board.time, world]
     if chip.uart is not None:

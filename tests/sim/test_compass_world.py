@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from boards.assembly import assemble
 from boards.description import load_board
+from boards.validation import DescriptionError
 from firmware.drivers import hmc6343_sample as sample
 from firmware.drivers.hmc6343 import Hmc6343, Hmc6343Config, Outcome
 from host.run.surroundings import Surroundings
@@ -138,6 +139,14 @@ class Reads:
 
 def program(io: Any, _profile: Any, _installation: Any) -> Reads:
     return Reads(io)
+
+
+def test_a_compass_in_another_world_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "compass").mkdir()
+    text = BOARD.replace('world = "compass"', 'world = "imu"')
+    (tmp_path / "compass" / "board.toml").write_text(text)
+    with pytest.raises(DescriptionError, match=r'chips\.U5\.world = "imu": a HMC6343 feels "compass"'):
+        assemble(load_board(str(tmp_path / "compass")), {}, Surroundings(world(), None))
 
 
 def test_a_compass_on_a_board_finds_the_heading(tmp_path: Path) -> None:

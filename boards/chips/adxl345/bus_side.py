@@ -64,6 +64,8 @@ class PinNet(Protocol):
 class BusSide(ABC):
     """The part of the chip that a bus and a supply see; pins and events are `Adxl345`'s."""
 
+    feels = "imu"
+    """The world that it asks."""
     spi_modes = (3,)
     """Clock modes (fact sheet section 1)."""
 

@@ -24,6 +24,9 @@ POWER_ON_NS = 10_000_000
 RESET_NS = 1_000_000
 """Soft reset until the chip answers again."""
 
+FASTEST_BYTE_NS = 800
+"""8 bits at 10 MHz."""
+
 _BOTH = (Sensor.GYRO, Sensor.ACCEL)
 
 _UNDRIVEN = 0xFF
@@ -33,6 +36,8 @@ _UNDRIVEN = 0xFF
 class BusSide(ABC):
     """The part of the chip that a bus and a supply see; pins and events are `Bmi160`'s."""
 
+    feels = "imu"
+    """The world that it asks."""
     spi_modes = (0, 3)
     """Clock modes that the part detects by itself (fact sheet section 1)."""
 
@@ -127,6 +132,8 @@ class BusSide(ABC):
     def _transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
         if not self._answers(start_ns):
             return bytes((_UNDRIVEN,)) * len(mosi)
+        if 0 < end_ns - start_ns < len(mosi) * FASTEST_BYTE_NS - 1:
+            self._early("SPI clock faster than 10 MHz: undefined, served as if it were slower", start_ns)
         if not self._spi:
             self._spi = True
             return bytes(len(mosi))

@@ -78,6 +78,9 @@ class Hmc6343:
     `start_ns`: when its supply comes up. `strict`: reports are raised as UndocumentedAccessError.
     """
 
+    feels = "compass"
+    """The world that it asks."""
+
     def __init__(
         self,
         time: VirtualTime,

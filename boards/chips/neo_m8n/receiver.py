@@ -58,6 +58,9 @@ class NeoM8n:
     only are lost. `powered=False` leaves the supply off until `power(True)`.
     """
 
+    feels = "gnss"
+    """The world that it asks."""
+
     def __init__(
         self,
         time: VirtualTime,

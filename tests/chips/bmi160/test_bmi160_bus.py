@@ -234,3 +234,13 @@ def test_brownout_loses_registers_and_restarts() -> None:
 def test_constructor_rejects(options: dict[str, float], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         Rig(**options)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("byte_ns", "reported"), [(800, False), (700, True)])
+def test_spi_clock_limit(byte_ns: int, reported: bool) -> None:
+    rig = Rig()
+    rig.start(accel=False, gyro=False)
+    now = rig.time.now
+    assert rig.chip.transaction(b"\x80\x00", now, now + 2 * byte_ns) == b"\x00\xd1"
+    details = [report.detail for report in rig.chip.reports]
+    assert details == ["SPI clock faster than 10 MHz: undefined, served as if it were slower"] * reported
