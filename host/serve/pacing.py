@@ -126,6 +126,12 @@ class PacedRun:
             return 0.0
         return max(0.0, (self._clock_ns() - self._due_ns(self._slices)) / SECOND)
 
+    def virtual_at(self, wall_ns: int) -> int:
+        """The virtual time that an instant of the wall clock belongs to; at pace 0 the present one."""
+        if not self.pace:
+            return self.session.now_ns
+        return self._from_virtual_ns + round((wall_ns - self._from_wall_ns) * self.pace)
+
     # -- the loop ----------------------------------------------------------------------------------
 
     def run(self, end_ns: int) -> None:
