@@ -94,7 +94,7 @@ class NmeaWriter:
             separation = _tenths(fix.separation_mm, 100)
         return self.seal(
             f"{self._talker}GGA,{_clock(fix.time_of_day_ms)},{_position(fix)},{quality},"
-            f"{min(fix.satellites, 99):02d},{hdop // 100}.{hdop % 100:02d},{altitude},M,{separation},M,,"
+            f"{min(fix.satellites, 99):02d},{_decimal(hdop, 2)},{altitude},M,{separation},M,,"
         )
 
     def rmc(self, fix: OwnFix) -> bytes:
@@ -113,13 +113,12 @@ class NmeaWriter:
             return self.seal(f"{self._talker}VTG,,T,,M,,N,,K,{mode}")
         metric = (fix.speed_mmps * 36 + 5) // 10
         return self.seal(
-            f"{self._talker}VTG,{_course(fix)},T,,M,{_knots(fix.speed_mmps)},N,"
-            f"{metric // 1000}.{metric % 1000:03d},K,{mode}"
+            f"{self._talker}VTG,{_course(fix)},T,,M,{_knots(fix.speed_mmps)},N,{_decimal(metric, 3)},K,{mode}"
         )
 
     def hdt(self, fix: OwnFix) -> bytes:
         """True heading."""
-        heading = _hundredths(fix.heading_centideg % 36000) if fix.validity.value[0] else ""
+        heading = _decimal(fix.heading_centideg % 36000, 2) if fix.validity.value[0] else ""
         return self.seal(f"{self._talker}HDT,{heading},T")
 
     def pashr(self, fix: OwnFix) -> bytes:
@@ -128,9 +127,9 @@ class NmeaWriter:
         if not quality:
             return self.seal(f"PASHR,{_clock(fix.time_of_day_ms)},,T,,,,,,,0,1")
         sigmas = (fix.roll_sigma_mdeg, fix.pitch_sigma_mdeg, fix.heading_sigma_mdeg)
-        printed = ",".join(f"{min(s, 99999) // 1000}.{min(s, 99999) % 1000:03d}" for s in sigmas)
+        printed = ",".join([_decimal(min(sigma, 99999), 3) for sigma in sigmas])
         return self.seal(
-            f"PASHR,{_clock(fix.time_of_day_ms)},{_hundredths(fix.heading_centideg % 36000)},T,"
+            f"PASHR,{_clock(fix.time_of_day_ms)},{_decimal(fix.heading_centideg % 36000, 2)},T,"
             f"{_signed(fix.roll_centideg)},{_signed(fix.pitch_centideg)},,{printed},{quality},4"
         )
 
@@ -142,7 +141,7 @@ def _clock(time_of_day_ms: int | None) -> str:
     seconds, hundredths = divmod(time_of_day_ms // 10, 100)
     minutes, seconds = divmod(seconds, 60)
     hours, minutes = divmod(minutes, 60)
-    return f"{hours % 24:02d}{minutes:02d}{seconds:02d}.{hundredths:02d}"
+    return _decimal(hours % 24 * 1_000_000 + minutes * 10_000 + seconds * 100 + hundredths, 2, 8)
 
 
 @lru_cache(OF_ONE_FIX)
@@ -164,7 +163,7 @@ def _calendar(date_days: int | None) -> str:
 def _angle(nanodeg: int, digits: int) -> str:
     micro_minutes = (abs(nanodeg) * 60 + 500) // 1000
     degrees, minutes = divmod(micro_minutes, 60_000_000)
-    return f"{degrees:0{digits}d}{minutes // 1_000_000:02d}.{minutes % 1_000_000:06d}"
+    return _decimal(degrees * 100_000_000 + minutes, 6, digits + 8)
 
 
 def _position(fix: OwnFix) -> str:
@@ -175,24 +174,26 @@ def _position(fix: OwnFix) -> str:
 
 def _knots(mmps: int) -> str:
     millis = (mmps * MILLIKNOTS_PER_463 + 231) // 463
-    return f"{millis // 1000}.{millis % 1000:03d}"
+    return _decimal(millis, 3)
 
 
 def _course(fix: OwnFix) -> str:
     if fix.course_centideg is None or not fix.validity.value[0]:
         return ""
-    return _hundredths(fix.course_centideg % 36000)
+    return _decimal(fix.course_centideg % 36000, 2)
 
 
-def _hundredths(value: int) -> str:
-    return f"{value // 100}.{value % 100:02d}"
+def _decimal(value: int, places: int, digits: int = 0) -> str:
+    """value · 10^−places, value ≥ 0, with leading zeros up to `digits`; slicing is faster than formatting."""
+    text = str(value).zfill(max(digits, places + 1))
+    return f"{text[:-places]}.{text[-places:]}"
 
 
 def _signed(value: int) -> str:
-    return f"{'-' if value < 0 else '+'}{_hundredths(abs(value))}"
+    return f"{'-' if value < 0 else '+'}{_decimal(abs(value), 2)}"
 
 
 def _tenths(value: int, unit: int) -> str:
     """`value` in tenths of 10·`unit`, rounded; no minus sign before zero."""
     tenths = (abs(value) + unit // 2) // unit
-    return f"{'-' if value < 0 and tenths else ''}{tenths // 10}.{tenths % 10}"
+    return f"{'-' if value < 0 and tenths else ''}{_decimal(tenths, 1)}"
