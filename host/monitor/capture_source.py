@@ -17,6 +17,7 @@ from host.capture.places import capture_path
 from host.capture.reader import CaptureReader, RawMessage
 from host.monitor.capture_rows import SHOWN, Rows, is_shown
 from host.monitor.pace import Pace
+from host.monitor.run_tasks import tasks_of_run
 from host.monitor.state import Shown
 from host.monitor.view import MonitorView
 from host.monitor.words import duration
@@ -45,6 +46,7 @@ class CaptureSource:
         self._path = capture_path(path)
         self.title = str(path)
         self.pace = Pace(speed)
+        self._tasks = tasks_of_run(self._path)
         self.length_s = CaptureReader(self._path).recorded_s()
         self._begin()
 
@@ -77,6 +79,7 @@ class CaptureSource:
     def pump(self, view: MonitorView, budget_s: float, until_s: float = float("inf")) -> None:
         """Play what is due."""
         deadline = time.monotonic() + budget_s
+        view.state.run_tasks = self._tasks
         due_s = self._seek_s if self._seek_s is not None else self.pace.due_s(self._now_s)
         due_s = min(due_s, until_s)
         played = 0

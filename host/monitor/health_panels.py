@@ -107,16 +107,20 @@ def _three(name: str, values: tuple[float, ...], decimals: int, style: str) -> T
 
 def task_lines(state: BoardState, width: int, height: int) -> list[Text]:
     """Load of each task, busiest first; response and missed deadlines."""
-    if not state.tasks:
+    if not state.tasks and not state.run_tasks:
         silent = frames.STATUS in state.seen_s
-        told = ("not sent; profile key", "task_frames = true") if silent else ("no figures yet",)
-        return [Text(line, "dim") for line in told]
-    tasks = sorted(state.tasks.values(), key=lambda one: -(one.load or 0.0))
+        why = ("not sent; profile key", "task_frames = true") if silent else ("no figures yet",)
+        return [Text(line, "dim") for line in why]
+    told = tuple(state.tasks.values()) or state.run_tasks
+    tasks = sorted(told, key=lambda one: -(one.load or 0.0))
     known = [one.load for one in tasks if one.load is not None]
     missed = sum(one.figures.deadlines_missed for one in tasks)
     total = f"{sum(known):.1%}" if known else "-"
     head = Text.assemble(
-        "tasks ", (total, "bold"), "  missed ", (str(missed), "green" if missed == 0 else "bold red")
+        "tasks " if state.tasks else "whole run ",
+        (total, "bold"),
+        "  missed ",
+        (str(missed), "green" if missed == 0 else "bold red"),
     )
     shown = [_task(one, width) for one in tasks[: max(height - 1, 0)]]
     return [head, *shown]

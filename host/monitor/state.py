@@ -70,6 +70,8 @@ class BoardState:
         self.satellites: tuple[SatelliteInView, ...] | None = None
         """None: no list was sent so far."""
         self.tasks: dict[str, TaskLoad] = {}
+        self.run_tasks: tuple[TaskLoad, ...] = ()
+        """Of a whole run that is played, where its record tells them."""
         self.events: deque[Event] = deque(maxlen=EVENTS_KEPT)
         self.track = Track()
         self.board_us = 0

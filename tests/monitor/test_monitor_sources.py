@@ -17,10 +17,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
 from rich.console import Console
-from spoken_drive import manifest, place, spoken, write_capture
+from spoken_drive import manifest, place, solution, spoken, write_capture
 from spoken_receiver import sentences
 from typer.testing import CliRunner
 
+from firmware.link.frames import STATUS, FrameWriter
 from host.capture.writer import CaptureWriter
 from host.cli.main import app
 from host.monitor.capture_rows import SHOWN, Rows
@@ -267,6 +268,22 @@ def test_a_board_is_run_and_shown():
     assert len(used) == shown["gnss"]["satellites_used"] > 8
     assert shown["solution"]["t_s"] == pytest.approx(30.0, abs=0.2)
     assert shown["link"]["garbage_bytes"] == shown["link"]["lost"] == shown["link"]["bad_crc"] == 0
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"cpu": [{"tasks": 1}]}', '{"cpu": [{"tasks": [{"name": 1}]}]}'])
+def test_task_load_of_a_run_that_did_not_tell_it(text, tmp_path):
+    """The record of the run tells it for the whole run; a broken record tells nothing and breaks nothing."""
+    writer = FrameWriter()
+    said = solution(writer, 1.0) + writer.pack(STATUS, 1_000_000, 3, 0, *[1] * 7, 1, 1)
+    write_capture(tmp_path / "run.mcap", [(1_000_000_000, said)])
+    counts = {"activations": 5, "worst_response_us": 1234.5, "deadline_misses": 2}
+    tasks = [{"name": "filter", "load": 0.125, **counts}]
+    (tmp_path / "result.json").write_text(json.dumps({"cpu": [{"tasks": tasks}]}))
+    told = monitor(str(tmp_path), "--once").stdout
+    assert "whole run 12.5%  missed 2" in told
+    assert "1234 µs" in told
+    (tmp_path / "result.json").write_text(text)
+    assert "task_frames = true" in monitor(str(tmp_path), "--once").stdout
 
 
 @pytest.mark.parametrize(
