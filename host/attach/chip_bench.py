@@ -11,14 +11,20 @@ from typing import TextIO
 from firmware.drivers.adxl345 import Adxl345Config
 from firmware.drivers.adxl345_ports import I2cPort, SpiPort
 from firmware.drivers.bmi160 import Bmi160Config
+from hal.cpu import Cpu
+from hal.i2c import I2cBus
+from hal.live.bridge_session import BridgeCounters
 from hal.live.bus_pirate import BusPirateError
 from hal.live.bus_pirate_buses import I2C_SPEEDS, SPI_SPEEDS, BusPirateI2c, BusPirateSpi
 from hal.live.cpu import LiveCpu
-from hal.live.port import PortError
+from hal.live.port import PortError, is_device
+from hal.scripted import ScriptedCpu, ScriptedI2c, ScriptedSpi, Transcript
 from hal.scripted.recording import Recording
+from hal.spi import SpiDevice
 from host.attach.chip_adxl345 import Adxl345OnDesk
 from host.attach.chip_bmi160 import Bmi160OnDesk, RegistersOverI2c
 from host.attach.chip_on_desk import ChipOnDesk
+from host.attach.chip_pace import RealPace, RecordedPace
 from host.attach.chip_session import ChipSession
 from host.record.errors import UserError
 
@@ -80,18 +86,58 @@ class ChipRequest:
 
 @contextmanager
 def chip_session(request: ChipRequest) -> Iterator[ChipSession]:
-    """The bridge open and set up, the chip not yet started. Raises UserError.
+    """The bridge open and set up, or the record, and the chip not yet started. Raises UserError.
 
-    A record is renamed into place when this ends without an exception.
+    A record that is written is renamed into place when this ends without an exception.
     """
+    if is_device(request.port) and Path(request.port).is_file():
+        with _replay(request) as session:
+            yield session
+        return
     cpu = LiveCpu()
     with _record(request) as recording:
         bus = _open_bus(request, cpu)
         try:
-            chip = _chip(request, bus, cpu, recording)
-            yield ChipSession(chip, cpu, bus.session)
+            clock: Cpu = recording.cpu(cpu) if recording else cpu
+            if isinstance(bus, BusPirateSpi):
+                device: SpiDevice = recording.spi(RECORD_NAME, bus) if recording else bus
+                chip = _chip_on_spi(request, device, clock)
+            else:
+                wires: I2cBus = recording.i2c(RECORD_NAME, bus) if recording else bus
+                chip = _chip_on_i2c(request, wires, clock)
+            yield ChipSession(chip, RealPace(cpu), bus.session.counters)
         finally:
             bus.close()
+
+
+@contextmanager
+def _replay(request: ChipRequest) -> Iterator[ChipSession]:
+    """A record in the place of the bridge."""
+    if request.record is not None:
+        raise UserError(f"--record: {request.port} is a record already")
+    try:
+        text = Path(request.port).read_text()
+        whole = text[: text.rfind("\n") + 1]  # whoever wrote it may have been killed
+        transcript = Transcript(whole)
+    except (OSError, ValueError) as error:
+        raise UserError(f"--port {request.port}: is not a record of --record: {error}") from None
+    cpu = ScriptedCpu(transcript)
+    if request.bus == "spi":
+        chip = _chip_on_spi(request, ScriptedSpi(transcript, RECORD_NAME), cpu)
+    else:
+        chip = _chip_on_i2c(request, ScriptedI2c(transcript, RECORD_NAME), cpu)
+    pace = RecordedPace(transcript)
+    session = ChipSession(chip, pace, BridgeCounters())
+    try:
+        yield session
+    except (AssertionError, ValueError) as difference:
+        if not pace.is_over():
+            told = "; ".join(" ".join(line.split()) for line in str(difference).splitlines()[:3])
+            raise UserError(
+                f"--port {request.port}: the record was made otherwise (chip, bus, rate or driver): {told}"
+            ) from None
+        if not session.started:
+            raise UserError(f"--port {request.port}: the record ends before the chip was set up") from None
 
 
 def _open_bus(request: ChipRequest, cpu: LiveCpu) -> BusPirateSpi | BusPirateI2c:
@@ -104,19 +150,16 @@ def _open_bus(request: ChipRequest, cpu: LiveCpu) -> BusPirateSpi | BusPirateI2c
         raise UserError(f"--port {error}") from None
 
 
-def _chip(
-    request: ChipRequest, bus: BusPirateSpi | BusPirateI2c, cpu: LiveCpu, recording: Recording | None
-) -> ChipOnDesk:
-    clock = recording.cpu(cpu) if recording else cpu
-    if isinstance(bus, BusPirateSpi):
-        device = recording.spi(RECORD_NAME, bus) if recording else bus
-        if request.chip == "adxl345":
-            return Adxl345OnDesk(SpiPort(device), clock, request.rate_hz)
-        return Bmi160OnDesk(device, clock, int(request.rate_hz))
-    wires = recording.i2c(RECORD_NAME, bus) if recording else bus
+def _chip_on_spi(request: ChipRequest, device: SpiDevice, cpu: Cpu) -> ChipOnDesk:
     if request.chip == "adxl345":
-        return Adxl345OnDesk(I2cPort(wires, request.i2c_address), clock, request.rate_hz)
-    return Bmi160OnDesk(RegistersOverI2c(wires, request.i2c_address), clock, int(request.rate_hz))
+        return Adxl345OnDesk(SpiPort(device), cpu, request.rate_hz)
+    return Bmi160OnDesk(device, cpu, int(request.rate_hz))
+
+
+def _chip_on_i2c(request: ChipRequest, bus: I2cBus, cpu: Cpu) -> ChipOnDesk:
+    if request.chip == "adxl345":
+        return Adxl345OnDesk(I2cPort(bus, request.i2c_address), cpu, request.rate_hz)
+    return Bmi160OnDesk(RegistersOverI2c(bus, request.i2c_address), cpu, int(request.rate_hz))
 
 
 def _check_rate(chip: str, rate_hz: float) -> None:

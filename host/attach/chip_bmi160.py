@@ -42,7 +42,8 @@ class Bmi160OnDesk:
         self._ticks_per_sample = SENSORTIME_HZ // rate_hz
         self._last: int | None = None
         """Sensortime of the last burst that held something new."""
-        self._ticks = 0
+        self._ticks: int | None = None
+        """Since the first sample."""
         self._convert(np.zeros(BURST_LENGTH, np.uint8))  # so that it is compiled before time counts
         self.polls_per_s = POLLS_PER_SAMPLE * rate_hz
 
@@ -69,7 +70,8 @@ class Bmi160OnDesk:
         passed = ((now // ticks) - (self._last // ticks)) % ((SENSORTIME_MASK + 1) // ticks)
         if passed == 0:
             return Poll()
-        self._ticks += (now - self._last) & SENSORTIME_MASK
+        since_last = (now - self._last) & SENSORTIME_MASK
+        self._ticks = 0 if self._ticks is None else self._ticks + since_last
         self._last = now
         return Poll([sample], passed - 1)
 
@@ -79,7 +81,7 @@ class Bmi160OnDesk:
 
     def clock_s(self) -> float | None:
         """By the sensortime."""
-        return self._ticks / SENSORTIME_HZ
+        return None if self._ticks is None else self._ticks / SENSORTIME_HZ
 
     def _convert(self, raw: NDArray[np.uint8]) -> tuple[NDArray[np.float32], int]:
         sample = np.empty(SAMPLE_SIZE, np.float32)

@@ -1,16 +1,19 @@
-"""Polls a chip on the desk in real time and keeps count: samples, losses, restarts, what the bridge did."""
+"""Polls a chip on the desk and keeps count: samples, losses, restarts, what the bridge did.
+
+Which transactions come in which order depends on what the chip answers and on nothing else, so that a
+record of them can take the chip's place.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from time import monotonic
 from typing import Any
 
 import numpy as np
 
-from hal.live.bridge_session import BridgeSession
-from hal.live.cpu import LiveCpu
+from hal.live.bridge_session import BridgeCounters
 from host.attach.chip_on_desk import ChipOnDesk, Found
+from host.attach.chip_pace import Pace
 from host.attach.chip_statistics import SampleStatistics
 
 CHECK_S = 1.0
@@ -20,45 +23,50 @@ RETRY_S = 0.5
 class ChipSession:
     """One attachment, from `start` to `report`."""
 
-    def __init__(self, chip: ChipOnDesk, cpu: LiveCpu, bridge: BridgeSession) -> None:
+    def __init__(self, chip: ChipOnDesk, pace: Pace, counters: BridgeCounters) -> None:
         self.chip = chip
+        self.live = pace.live
         self.statistics = SampleStatistics(len(chip.quantities))
         self.state = Found(False, "not started")
+        self.started = False
+        """Whether the first set-up has come to an end, good or bad."""
         self.missed = self.restarts = 0
         self.temperature: float | None = None
         self._temperature_sum = 0.0
         self._temperatures = 0
-        self._cpu = cpu
-        self._bridge = bridge
-        self._begin = self._now = monotonic()
+        self._pace = pace
+        self._counters = counters
+        self._begin = self._now = pace.now()
         self._first_sample = self._last_sample = 0.0
         self._exchanges_before = 0
-        self._check_at = self._retry_at = 0.0
+        self._polls_to_check = self._polls_to_retry = 0
         self._unbroken = False
         """Whether the next sample follows the last one."""
 
     def start(self) -> Found:
         """Identify and set up the chip, once."""
         self.state = self.chip.start()
+        self.started = True
         return self.state
 
     def run(self, seconds: float | None, stop: Callable[[], bool]) -> None:
         """Poll until `seconds` are over or `stop`; another thread may look on."""
-        self._begin = self._now = monotonic()
-        self._exchanges_before = self._bridge.counters.exchanges
-        self._check_at = self._begin + CHECK_S
+        pace = self._pace
+        self._begin = self._now = due = pace.now()
+        self._exchanges_before = self._counters.exchanges
+        self._polls_to_check = self._polls(CHECK_S)
         self._take_temperature()
         period = 1.0 / self.chip.polls_per_s
-        due = self._begin
-        while not stop() and (seconds is None or self.elapsed_s < seconds):
+        while not (stop() or pace.is_over()) and (seconds is None or self.elapsed_s < seconds):
             alive = self._poll()
+            self._polls_to_check -= 1
+            self._polls_to_retry -= 1
             well = alive and self.state.ok
-            if self._now >= (self._check_at if well else self._retry_at):
+            if (self._polls_to_check if well else self._polls_to_retry) <= 0:
                 self._look()
-            due = max(due + period, monotonic())
-            self._cpu.delay(round((due - monotonic()) * 1e9))
-            self._now = monotonic()
-        self._now = monotonic()
+            due = max(due + period, pace.now())
+            pace.wait_until(due)
+            self._now = pace.now()
 
     @property
     def elapsed_s(self) -> float:
@@ -67,28 +75,28 @@ class ChipSession:
 
     @property
     def rate_hz(self) -> float | None:
-        """New samples a second."""
+        """New samples a second; a record does not tell."""
         span = self._last_sample - self._first_sample
-        return (self.statistics.count + self.missed - 1) / span if span > 0.0 else None
+        return (self.statistics.count + self.missed - 1) / span if self.live and span > 0.0 else None
 
     @property
     def clock_error(self) -> float | None:
         """How much the chip's clock is fast against this computer's, relative."""
         chip_s = self.chip.clock_s()
         span = self._last_sample - self._first_sample
-        if chip_s is None or span <= 0.0 or self.restarts:
+        if not self.live or chip_s is None or span <= 0.0 or self.restarts:
             return None
         return chip_s / span - 1.0
 
     @property
     def exchanges_per_s(self) -> float:
         """Transactions over the bridge."""
-        exchanges = self._bridge.counters.exchanges - self._exchanges_before
+        exchanges = self._counters.exchanges - self._exchanges_before
         return exchanges / self.elapsed_s if self.elapsed_s > 0.0 else 0.0
 
     def report(self) -> dict[str, Any]:
         """All figures, for `--json`."""
-        counters = self._bridge.counters
+        counters = self._counters
         statistics = self.statistics
         return {
             "ok": self.state.ok,
@@ -122,7 +130,7 @@ class ChipSession:
 
     def _poll(self) -> bool:
         poll = self.chip.poll()
-        now = monotonic()
+        now = self._pace.now()
         if not poll.alive:
             self._unbroken = False
             return False
@@ -138,8 +146,8 @@ class ChipSession:
 
     def _look(self) -> None:
         """Once a second, and often while something is wrong: start it again as the firmware would."""
-        self._retry_at = self._now + RETRY_S
-        self._check_at = self._now + CHECK_S
+        self._polls_to_retry = self._polls(RETRY_S)
+        self._polls_to_check = self._polls(CHECK_S)
         self.state = self.chip.check()
         if self.state.ok:
             self._take_temperature()
@@ -149,6 +157,9 @@ class ChipSession:
         if again.ok:
             self.restarts += 1
             self.state = again
+
+    def _polls(self, seconds: float) -> int:
+        return max(1, round(seconds * self.chip.polls_per_s))
 
     def _take_temperature(self) -> None:
         self.temperature = self.chip.temperature()

@@ -127,7 +127,8 @@ def _closing_line(session: ChipSession) -> Text:
         parts.append(f"chip's clock {100.0 * session.clock_error:+.2f} %")
     if session.temperature is not None:
         parts.append(f"{session.temperature:.1f} °C")
-    parts.append(f"{session.exchanges_per_s:,.0f} transactions/s")
+    if session.live:
+        parts.append(f"{session.exchanges_per_s:,.0f} transactions/s")
     text = Text(", ".join(parts))
     if session.restarts:
         text.append(f", started again {session.restarts} times", "yellow")

@@ -42,7 +42,12 @@ def _group() -> None:
 @app.command("chip")
 def chip_command(
     chip: Annotated[str, typer.Argument(metavar="CHIP", help="bmi160 or adxl345.")],
-    port: Annotated[str, typer.Option("--port", metavar="URL", help="Of the bridge: /dev/ttyUSB0 …")],
+    port: Annotated[
+        str,
+        typer.Option(
+            "--port", metavar="URL|RECORD", help="Of the bridge: /dev/ttyUSB0 …; or what --record wrote."
+        ),
+    ],
     bus: Annotated[str, typer.Option("--bus", metavar="spi|i2c", help="How the chip is wired.")] = "spi",
     address: Annotated[
         str | None, typer.Option("--address", metavar="HEX", help="On I²C. Default: the chip's usual one.")

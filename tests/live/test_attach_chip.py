@@ -61,7 +61,7 @@ def test_a_bmi160_on_the_desk(tmp_path: Path, bus: str) -> None:
     assert 0.005 < noise["force x"] < 0.04  # 0.002 m/s²/√Hz in some 40 Hz
     assert found["temperature_c"] == pytest.approx(TEMPERATURE, abs=0.1)
     assert found["samples"] + found["samples_missed"] == pytest.approx(1.2 * 102, abs=12)
-    assert found["clock_error"] == pytest.approx(0.02, abs=0.01)
+    assert found["clock_error"] == pytest.approx(0.02, abs=0.015)  # a poll may be 15 ms late
     assert found["bridge"]["failures"] == 0
 
 
@@ -102,6 +102,49 @@ def test_a_record_replays_what_was_seen(tmp_path: Path) -> None:
     assert np.mean(samples, axis=0)[3:] == pytest.approx(
         [means(found)[f"force {axis}"] for axis in "xyz"], abs=1e-4
     )
+
+
+@pytest.mark.parametrize(("chip", "bus"), [("bmi160", "spi"), ("bmi160", "i2c"), ("adxl345", "spi")])
+def test_the_command_takes_a_record_for_the_chip(tmp_path: Path, chip: str, bus: str) -> None:
+    record = tmp_path / "desk.txt"
+    with Desktop(tmp_path / "ttyBRIDGE", chip) as desk:
+        options = ("--bus", bus, "--record", str(record), "--seconds", "1.2")
+        live = figures(chip, "--port", desk.url, *options)
+    replayed = figures(chip, "--port", str(record), "--bus", bus)
+    for key in ("ok", "found", "samples", "samples_missed", "temperature_c", "quantities", "restarts"):
+        assert replayed[key] == live[key], key
+    assert replayed["clock_error"] is None  # a record does not tell the time
+    text = record.read_text()
+    for place in (len(text) * 9 // 10, len(text) - 1):
+        record.write_text(text[:place])  # as kill -9 leaves it
+        cut = figures(chip, "--port", str(record), "--bus", bus)
+        assert 0 < cut["samples"] <= live["samples"]
+
+
+def test_a_record_that_does_not_fit_is_one_message(tmp_path: Path) -> None:
+    record = tmp_path / "desk.txt"
+    with Desktop(tmp_path / "ttyBRIDGE") as desk:
+        figures("bmi160", "--port", desk.url, "--record", str(record), "--seconds", "0.3")
+    whole = record.read_text()
+    for options, text, words in (
+        (
+            ["bmi160", "--rate", "200"],
+            whole,
+            "the record was made otherwise (chip, bus, rate or driver): step 12",
+        ),
+        (["adxl345"], whole, "expected: delay 10000000; got: spi imu 2d 00"),
+        (["bmi160", "--bus", "i2c"], whole, "the driver differs in word 1 (spi expected, i2c got)"),
+        (["bmi160", "--record", "x"], whole, "is a record already"),
+        (["bmi160"], "\n".join(whole.splitlines()[:6]) + "\n", "ends before the chip was set up"),
+        (["bmi160"], "", "ends before the chip was set up"),
+        (["bmi160"], "spi imu 80 -> zz\n", "the record was made otherwise"),
+        (["bmi160"], "[project]\n", "is not a record of --record"),
+    ):
+        record.write_text(text)
+        done = attach(*options, "--port", str(record))
+        assert done.exit_code == 2, (options, done.output)
+        assert words in done.stderr, done.stderr
+        assert len(done.stderr.strip().splitlines()) == 1
 
 
 # -- chips that are not there ----------------------------------------------------------------------
@@ -154,7 +197,7 @@ def test_a_bridge_that_is_unplugged_for_a_while_goes_on(tmp_path: Path) -> None:
 
         Thread(target=pull).start()
         found = figures("bmi160", "--port", desk.url, "--seconds", "3.5")
-    assert found["restarts"] == 1
+    assert found["restarts"] >= 1
     assert found["bridge"]["recoveries"] >= 1
     assert means(found)["force z"] == pytest.approx(FORCE[2], abs=0.05)
     assert found["samples"] > 120
