@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from collections import deque
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -27,7 +28,7 @@ from host.run.intake import HOST_PORT
 from host.run.readiness import StandIn
 from host.run.session import RunSession, open_session
 from host.run.setup import Setup, resolve, scenario_names
-from host.serve.pacing import PacedRun
+from host.serve.pacing import SLICE_S, PacedRun
 from host.sim.scenario.schema import Scenario
 from host.sim.world import World
 
@@ -36,6 +37,7 @@ STANDING = "static"
 LOOKS = 200
 SLOWEST_MPS = 0.05
 LONGEST_S = 1e7
+SLICE_NS = round(SLICE_S * 1e9)
 
 Show = Callable[[list[tuple[int, Message]], float, int], None]
 Notice = Callable[[str], None]
@@ -73,6 +75,8 @@ class GnssSession:
         self.receiver_scatter = Scatter()
         self.solution_scatter = Scatter()
         self._port = port
+        self._came: deque[tuple[int, bytes]] = deque()
+        """What has come, with time.monotonic_ns(); a run that is late takes it when its time has come."""
         self._record_only = record_only
         self._show = show
         self._notice = notice
@@ -95,13 +99,16 @@ class GnssSession:
 
     def bring_in(self) -> None:
         """What the receiver has said."""
-        arrived = self._port.take()
-        now_ns = time.monotonic_ns()
-        self.line.bring_in(arrived, now_ns)
-        for came_ns, data in arrived:
+        self._came.extend(self._port.take())
+        if not self._came:
+            self.arrivals.take(time.monotonic_ns(), b"")
+        until_ns = self.session.now_ns + SLICE_NS
+        due: list[tuple[int, bytes]] = []
+        while self._came and self.paced.virtual_at(self._came[0][0]) <= until_ns:
+            came_ns, data = self._came.popleft()
             self.arrivals.take(came_ns, data)
-        if not arrived:
-            self.arrivals.take(now_ns, b"")
+            due.append((self.paced.virtual_at(came_ns), data))
+        self.line.bring_in(due)
 
     def hand_out(self) -> None:
         """What the board's driver says to it."""
@@ -170,7 +177,7 @@ class GnssSession:
             "forwarding": {
                 "mean_ms": mean_ms,
                 "max_ms": line.longest_forward_ns / 1e6 if line.forwarded else None,
-                "method": "from the arrival at the port to the board's line, on the host's clock",
+                "method": "from the arrival at the port to the board's line, in virtual time",
             },
             "pacing": {"slips": paced.slips, "slipped_s": paced.slipped_s},
             "scatter": None if self._record_only else scatter,

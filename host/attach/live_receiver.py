@@ -41,7 +41,7 @@ class LiveReceiver:
 
 
 class ReceiverLine:
-    """Between port and board. Times of the wall clock are time.monotonic_ns()."""
+    """Between port and board, in virtual time."""
 
     def __init__(self, board: AssembledBoard, refdes: str, port: ReceiverPort) -> None:
         uart = board.description.chips[refdes].uart
@@ -64,11 +64,12 @@ class ReceiverLine:
         self._ear = board.from_board[uart].connect_late()
         self._follow()
 
-    def bring_in(self, arrived: list[tuple[int, bytes]], now_ns: int) -> None:
-        """Put on the line what has come."""
+    def bring_in(self, arrived: list[tuple[int, bytes]]) -> None:
+        """Put on the line what has come: (virtual time of its arrival, bytes), none in the future."""
         if not self._receiver.is_on:
             self._waiting.clear()
             return
+        now_ns = self._time.now
         self._waiting.extend(arrived)
         self._drop_stale()
         line = self._to_board
@@ -81,8 +82,9 @@ class ReceiverLine:
             line.send(data[:fits])
             self.bytes_in += min(fits, len(data))
             self.forwarded += 1
-            self.forward_ns += now_ns - came_ns
-            self.longest_forward_ns = max(self.longest_forward_ns, now_ns - came_ns)
+            late_ns = max(0, now_ns - came_ns)
+            self.forward_ns += late_ns
+            self.longest_forward_ns = max(self.longest_forward_ns, late_ns)
 
     def _drop_stale(self) -> None:
         """What came faster than the line's rate and would come too late to mean anything."""

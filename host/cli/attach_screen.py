@@ -18,6 +18,8 @@ from host.link.messages import Message
 from host.monitor.view import MonitorView
 
 REFRESH_S = 0.2
+OF_THE_BOARD = "board: "
+"""Notices that begin so are TEXT frames, which the view tells by itself."""
 
 
 class Screen:
@@ -56,7 +58,8 @@ class Screen:
         """Something people should know."""
         self._last = text
         if self._view is not None:
-            self._view.say(text)
+            if not text.startswith(OF_THE_BOARD):
+                self._view.say(text)
         elif not self._quiet:
             self._console.print(text, soft_wrap=True, markup=False)
 
