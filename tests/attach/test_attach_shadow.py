@@ -146,6 +146,40 @@ def test_no_frame_makes_it_fall(garbage):
     shadow.finish()
 
 
+NUMBERED = (raw_frames.RAW_IMU, raw_frames.RAW_EPOCH, raw_frames.RAW_TEMPERATURE, raw_frames.RAW_CLOCK)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    some.lists(some.tuples(some.sampled_from(NUMBERED), some.binary(min_size=220, max_size=220)), max_size=8)
+)
+def test_no_input_makes_it_fall(inputs):
+    """Frames in step with values that no sensor gives: times, epochs and temperatures of any bits."""
+    shadow = shadow_for()
+    start = next(payload for kind, payload in frames_of(said()) if kind == raw_frames.RAW_START)
+    solution = next(payload for kind, payload in frames_of(said()) if kind == SOLUTION)
+    shadow.take(raw_frames.RAW_START, start)
+    for number, (kind, bits) in enumerate(inputs, 1):
+        size = raw_frames.INPUTS[kind].size - 4
+        shadow.take(kind, struct.pack("<I", number) + bits[:size].ljust(size, bits[-1:]))
+        shadow.take(SOLUTION, solution)
+    shadow.finish()
+    assert shadow.counts.inputs == len(inputs)
+
+
+def test_one_bit_of_one_sample_is_seen():
+    """What the board would do that computes a sample otherwise: its memory and then its solutions differ."""
+    shadow = shadow_for(initial_yaw_deg=62.0)
+    for kind, payload in frames_of(said("full-rate", 20, "profile.initial_yaw_deg=62.0")):
+        if kind == raw_frames.RAW_IMU and struct.unpack_from("<I", payload)[0] == 1500:
+            payload = payload[:12] + bytes((payload[12] ^ 1,)) + payload[13:]
+        shadow.take(kind, payload)
+    shadow.finish()
+    assert shadow.differences
+    assert {found.what for found in shadow.differences} <= {"state", "solution"}
+    assert shadow.counts.solutions_equal >= 140
+
+
 def test_a_board_with_another_program_is_told():
     """Its memory has another size: nothing can be compared, until a start of the right one."""
     shadow = shadow_for()

@@ -26,6 +26,9 @@ from firmware.link.crc import crc16
 from firmware.nav import layout, tuning
 from firmware.numerics.dialect import entry_point
 
+HALF_RANGE = 1 << 63
+"""Times of a frame may be anything; they wrap as the processor's do."""
+
 
 class RawLoop:
     """Navigation on raw frames. `memory` and `configuration` are for comparing with the board's."""
@@ -70,7 +73,8 @@ class RawLoop:
         epoch = np.array(record, np.int64)
         time = self._gnss.time
         time.take_pulse(*pulse)
-        epoch[gnss.VALID_NS], _ = time.validity(record[gnss.TIME_OF_DAY_MS], record[gnss.BURST_START_NS])
+        valid_ns, _ = time.validity(record[gnss.TIME_OF_DAY_MS], record[gnss.BURST_START_NS])
+        epoch[gnss.VALID_NS] = (valid_ns + HALF_RANGE) % (2 * HALF_RANGE) - HALF_RANGE
         self._gnss.absorb(epoch, pulse)
 
     def solution(self) -> bytes:
