@@ -83,10 +83,12 @@ class _Log:
         self._frames: dict[str, list[tuple[int, Callable[[int], bytes]]]] = {}
         self._last_ns: dict[str, int] = {}
         self._waiting = 0
-        self._ended = False
         first = next(self._messages_of(_nothing, is_test=True), None)
         if first is None:
-            raise UserError(f"{file.path}: no CAN frame in it that python-can can read")
+            raise UserError(
+                f"{file.path}: no CAN frame in it that python-can can read; candump -L, for example, writes"
+                " lines like (1707192000.000000) can0 123#11223344"
+            )
         self.is_absolute = first.timestamp > ABSOLUTE_S
 
     def portions(self) -> Iterator[Portion]:

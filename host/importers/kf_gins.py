@@ -6,7 +6,8 @@
     truth  week | second of week | latitude longitude, ° | height, m | v north east down, m/s
            | roll pitch yaw, °                                                                  (11)
 
-Increments end at their time stamp: rate and force are their quotients by the step, and hold for its middle.
+A week 0 in the reference (KF-GINS writes it into its own results) says nothing. Increments end at their time
+stamp: rate and force are their quotients by the step, and hold for its middle.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ def read_kf_gins(task: Task) -> Recording:
     if "gnss" in roles:
         streams.append(_gnss(task, roles["gnss"], week))
     if "truth" in roles:
-        streams.append(_truth(task, roles["truth"]))
+        streams.append(_truth(task, roles["truth"], week))
     return Recording(streams, is_absolute=True, facts={"gps_week": week})
 
 
@@ -84,20 +85,21 @@ def _role(path: Path) -> str:
 def _week(task: Task, truth: InputFile | None) -> int:
     if task.request.week is not None:
         return task.request.week
-    if truth is None:
-        task.findings.note(
-            Kind.NO_TIME,
-            task.request.files[0].name,
-            "",
-            text=f"no file tells the GPS week; taken as {NEUTRAL_WEEK}: say which with --week",
-        )
-        return NEUTRAL_WEEK
-    for values, _ in number_blocks(truth.path, (0,), None, Findings(), _nothing):
+    told = 0 if truth is None else _told_week(truth.path)
+    if told:
+        return told
+    text = f"no file tells the GPS week; taken as {NEUTRAL_WEEK}: say which with --week"
+    task.findings.note(Kind.NO_TIME, task.request.files[0].name, text=text)
+    return NEUTRAL_WEEK
+
+
+def _told_week(path: Path) -> int:
+    for values, _ in number_blocks(path, (0,), None, Findings(), _nothing):
         week = float(values[0, 0])
         if week.is_integer() and 0 <= week < 10_000:
             return int(week)
-        raise UserError(f"{truth.path}: its first column should be the GPS week, e.g. 2017, but is {week:g}")
-    return NEUTRAL_WEEK
+        raise UserError(f"{path}: its first column should be the GPS week, e.g. 2017, but is {week:g}")
+    return 0
 
 
 def _nothing(_size: int) -> None:
@@ -179,7 +181,7 @@ def _gnss(task: Task, file: InputFile, week: int) -> Iterator[Rows]:
     return rows()
 
 
-def _truth(task: Task, file: InputFile) -> Iterator[Rows]:
+def _truth(task: Task, file: InputFile, week: int) -> Iterator[Rows]:
     units = {
         "position": task.units.of("position", "deg"),
         "height": task.units.of("height", "m"),
@@ -202,7 +204,8 @@ def _truth(task: Task, file: InputFile) -> Iterator[Rows]:
             table[:, 2] = values[:, 4] * units["height"].factor
             table[:, 3:6] = values[:, 5:8] * units["velocity"].factor
             table[:, 6:9] = values[:, [10, 9, 8]] * units["attitude"].factor
-            times = values[:, 0].astype(np.int64) * WEEK_NS + ns_of_seconds(values[:, 1])
+            told = values[:, 0].astype(np.int64)
+            times = np.where(told == 0, week, told) * WEEK_NS + ns_of_seconds(values[:, 1])
             yield Rows(series, times, table, lines)
 
     return rows()

@@ -64,6 +64,19 @@ def test_without_a_reference_the_week_is_asked_for(tmp_path, kf_gins):
     assert result["metrics"]["position_horizontal_rms_m"] < 0.5
 
 
+def test_a_week_of_0_in_the_reference_says_nothing(tmp_path, kf_gins):
+    (imu, gnss, truth), report, _ = kf_gins
+    table = np.loadtxt(truth)
+    table[:, 0] = 0
+    np.savetxt(tmp_path / "own.nav", table, "%.9f")
+    again, _ = imported(tmp_path, "kf-gins", imu, gnss, tmp_path / "own.nav", options=["--week", WEEK])
+    assert again["begins"] == BEGINS
+    assert again["topics"] == report["topics"]
+    again, _ = imported(tmp_path, "kf-gins", imu, gnss, tmp_path / "own.nav", name="b.mcap")
+    assert ("no time", "") in kinds(again)
+    assert again["topics"] == report["topics"]
+
+
 def test_parts_are_told_or_stated(tmp_path, kf_gins):
     (imu, gnss, truth), report, _ = kf_gins
     again, _ = imported(tmp_path, "kf-gins", f"truth={truth}", f"gnss={gnss}", f"imu={imu}")
