@@ -70,7 +70,7 @@ def serve(request: RunRequest, wanted: Wanted, outputs: ServeOutputs) -> int:
 
         def look_around(service: Service) -> None:
             if live is not None:
-                live.update(Text(line_of(service)), refresh=True)
+                live.update(Text(line_of(service), no_wrap=True, overflow="ellipsis"), refresh=True)
 
         wanted = replace(wanted, tell=tell, look_around=look_around)
         with opened(replace(request, notice=error.print), wanted) as service:

@@ -51,9 +51,9 @@ def line_of(service: Service) -> str:
     told = f"{time_s:,.1f} s  pace {paced.pace:g}"
     if lateness["deadlines"]:
         told += (
-            f"  {100 * (lateness['within_2_ms'] or 0.0):.2f} % of deadlines within 2 ms"
-            f"  late: median {lateness['p50_ms']:.2f}, 99 % {lateness['p99_ms']:.2f},"
-            f" most {lateness['max_ms']:.1f} ms"
+            f"  {100 * (lateness['within_2_ms'] or 0.0):.2f} % within 2 ms;"
+            f" median {lateness['p50_ms']:.2f}, 99 % {lateness['p99_ms']:.2f},"
+            f" most {lateness['max_ms']:.1f} ms late"
         )
     if paced.slips:
         told += f"  FALLS BEHIND: {paced.slipped_s:,.1f} s lost, reaches pace {achieved:,.2f}"
