@@ -6,6 +6,7 @@ import contextlib
 import os
 import select
 import sys
+import time
 from types import TracebackType
 from typing import Any, Self
 
@@ -45,7 +46,7 @@ class Keys:
     def wait(self, seconds: float) -> list[str]:
         """Keys pressed within `seconds`, sooner back when there are some: signs, "left", "right", …"""
         if self._descriptor is None:
-            select.select([], [], [], seconds)
+            time.sleep(seconds)
             return []
         ready, _, _ = select.select([self._descriptor], [], [], seconds)
         if not ready:

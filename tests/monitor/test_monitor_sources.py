@@ -268,6 +268,8 @@ def test_a_board_is_run_and_shown():
     assert len(used) == shown["gnss"]["satellites_used"] > 8
     assert shown["solution"]["t_s"] == pytest.approx(30.0, abs=0.2)
     assert shown["link"]["garbage_bytes"] == shown["link"]["lost"] == shown["link"]["bad_crc"] == 0
+    off = ("--seconds", "5", "--once", "--set", "profile.task_frames=false")
+    assert last_line("car_mems", "--scenario", "static", *off)["tasks"] is None
 
 
 @pytest.mark.parametrize("text", ["", "[]", '{"cpu": [{"tasks": 1}]}', '{"cpu": [{"tasks": [{"name": 1}]}]}'])
