@@ -53,12 +53,19 @@ def open_port(url: str, baud: int, timeout_s: float = READ_TIMEOUT_S) -> Any:
     """The open port, ours alone where the system can grant that. Raises PortError."""
     if not isinstance(baud, int) or not 50 <= baud <= 12_000_000:
         raise PortError(PortProblem.RATE, f"{url}: a rate of {baud} baud; possible are e.g. 9600 or 115200")
+    if not _has_port_number(url):
+        raise PortError(
+            PortProblem.ADDRESS,
+            f"{url!r} is no address of a port: it needs a number of 1 to 65535; {EXAMPLE}",
+        )
     try:
         port = serial.serial_for_url(url, do_not_open=True, baudrate=baud)
     except (ValueError, ImportError) as error:
         raise PortError(
             PortProblem.ADDRESS, f"{url!r} is no serial port: {error}; give one, {EXAMPLE}"
         ) from None
+    except OSError as error:  # hwgrep:// finds nothing
+        raise PortError(PortProblem.MISSING, f"{url}: {error}; {_ports_there_are()}") from None
     port.timeout = timeout_s
     if urlsplit(url).scheme not in WITHOUT_WRITE_TIMEOUT:
         port.write_timeout = WRITE_TIMEOUT_S
@@ -82,10 +89,10 @@ def explained(url: str, baud: int, error: Exception) -> PortError:
     if not is_device(url):
         return _explained_url(url, error)
     path = Path(url)
-    if code == errno.ENOENT or not path.exists():
-        return PortError(PortProblem.MISSING, f"{url}: there is no such port; {_ports_there_are()}")
     if code in (errno.EACCES, errno.EPERM):
         return PortError(PortProblem.DENIED, f"{url}: permission denied; {_how_to_be_allowed(path)}")
+    if code == errno.ENOENT or not path.exists():
+        return PortError(PortProblem.MISSING, f"{url}: there is no such port; {_ports_there_are()}")
     if code in (errno.EBUSY, errno.EAGAIN) or "exclusively lock" in str(error):
         return PortError(
             PortProblem.BUSY, f"{url}: in use by {_holders(path)}; close it there, or take another port"
@@ -99,7 +106,7 @@ def explained(url: str, baud: int, error: Exception) -> PortError:
 
 def _explained_url(url: str, error: Exception) -> PortError:
     text = str(error)
-    if isinstance(error, ValueError) or "expected a string in the form" in text or not _has_port_number(url):
+    if isinstance(error, ValueError) or "expected a string in the form" in text:
         return PortError(PortProblem.ADDRESS, f"{url!r} is no address of a port: {text}; {EXAMPLE}")
     if "RFC2217" in text:
         return PortError(
@@ -114,9 +121,10 @@ def _explained_url(url: str, error: Exception) -> PortError:
 
 
 def _has_port_number(url: str) -> bool:
-    parts = urlsplit(url)
+    """Whether an address of another computer tells a port there."""
     try:
-        return parts.scheme not in ("socket", "rfc2217") or parts.port is not None
+        parts = urlsplit(url)
+        return parts.scheme not in ("socket", "rfc2217") or (parts.port or 0) > 0
     except ValueError:
         return False
 
