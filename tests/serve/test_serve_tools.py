@@ -3,13 +3,17 @@ installed (apt-get install socat gpsd gpsd-clients)."""
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
+import os
 import shutil
 import socket
 import subprocess
 import sys
+import threading
 import time
+import tty
 
 import pytest
 from served_board import ServedHere
@@ -121,3 +125,35 @@ def test_a_can_logger_in_another_process_hears_the_board_and_is_heard():
     assert 0.9 * can["frames_sent"] < len(boards_own) <= can["frames_sent"]  # and may lose some
     can1 = next(bus for bus in result["buses"] if bus["name"] == "can1")
     assert can1["transactions"] == can["frames_sent"] + 2
+
+
+def test_a_serial_can_adapter_carries_frames_both_ways():
+    """An slcan device as its text protocol has it: tiiildd… and a carriage return."""
+    device, port = os.openpty()
+    tty.setraw(port)
+    said = bytearray()
+    listening = threading.Thread(target=listen, args=(device, said), daemon=True)
+    listening.start()
+    with ServedHere(None, duration_s=1e6, pace=10.0, cans=(f"slcan:{os.ttyname(port)}",)) as board:
+        board.control.ask("resume")
+        board.control.until(1.0)
+        os.write(device, b"t12321A2B\rT0123456780001020304050607\rt7FF0\r")
+        while board.control.ask("status")["can"][0]["frames_written"] < 3:
+            time.sleep(0.01)
+        board.control.until(10.0)
+        board.control.ask("stop")
+        result = board.ended()
+    os.close(port)
+    listening.join(5.0)
+    (can,) = result["serve"]["can"]
+    frames = [line for line in bytes(said).split(b"\r") if line[:1] in (b"t", b"T")]
+    assert len(frames) == can["delivered"] == can["frames_sent"] > 100
+    assert can["frames_written"] == 3
+    assert {frame[1:4] for frame in frames} >= {b"310", b"311"}
+
+
+def listen(device: int, said: bytearray) -> None:
+    """Up to the end."""
+    with contextlib.suppress(OSError):
+        while data := os.read(device, 65_536):
+            said += data
