@@ -1,8 +1,8 @@
 """Local worker processes. One that dies takes its run with it and nothing else: a new one takes its place.
 
 `concurrent.futures` gives up all waiting work when one process dies, so the few lines of supervision stand
-here. Workers end by themselves when the process that started them is gone, at the latest at the next look at
-the wires (`host.run.session.CHUNK_NS`).
+here. Workers end by themselves when the process that started them is gone, at the latest at the next word of
+progress (`host.run.runner.STEP_NS`).
 """
 
 from __future__ import annotations

@@ -9,9 +9,12 @@ from typing import Any
 from hal.emulated.virtual_time import SECOND
 from host.record.result import Progress, RunRequest, RunResult
 from host.run.readiness import make_ready, prepared
-from host.run.session import CHUNK_NS, RunSession, manifest_of, session_in_world
+from host.run.session import RunSession, manifest_of, session_in_world
 from host.run.setup import Setup
 from host.sim.world import World
+
+STEP_NS = 40 * SECOND
+"""Virtual time between two words of progress."""
 
 
 def run(request: RunRequest) -> RunResult:
@@ -41,8 +44,8 @@ def _work_off(session: RunSession, progress: Progress | None) -> float:
     duration_ns = session.world.duration_ns
     begin = time.perf_counter()
     while session.now_ns < duration_ns:
-        session.run_until(min(session.now_ns + CHUNK_NS, duration_ns))
-        session.look()
+        session.run_until(min(session.now_ns + STEP_NS, duration_ns))
         if progress is not None:
             progress(session.now_ns / SECOND, duration_ns / SECOND)
+    session.look()
     return time.perf_counter() - begin

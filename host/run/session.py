@@ -37,8 +37,8 @@ from host.score.rules import ScoringRules
 from host.sim.scenario.load import source_text
 from host.sim.world import World
 
-CHUNK_NS = 40 * SECOND
-"""Virtual time after which, at the latest, what has come over the wires is looked at."""
+CHUNK_NS = 120 * SECOND
+"""Virtual time after which, at the latest, what has come over the wires is looked at: many rows at a time."""
 TRACE_AT_NS = 100 * SECOND
 RECORDING_RULES = ScoringRules(after_alignment_s=10.0)
 """A recording is a minute long: a minute of grace would leave nothing to score."""
