@@ -9,6 +9,7 @@ from typing import Annotated
 
 import typer
 
+from host.cli.allan_command import allan_command
 from host.cli.attach_command import app as attach_app
 from host.cli.baseline_command import app as baseline_app
 from host.cli.campaign_command import Baseline, Tolerance, campaign_command
@@ -176,6 +177,7 @@ app.command("serve", epilog=SERVE_EPILOG)(serve_command)
 app.command("monitor")(monitor_command)
 app.command("simulate")(simulate_command)
 app.command("inverse")(inverse_command)
+app.command("allan")(allan_command)
 
 
 def main() -> None:
