@@ -81,7 +81,7 @@ def changed(data, changes, keep):
     return bytes(data[: round(keep * len(data))])
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.too_slow], deadline=None)
+@settings(max_examples=30, suppress_health_check=[HealthCheck.too_slow], deadline=None)
 @example("log", [("repeat", 0.01171875, b"\x00")], 1.0)
 @given(st.sampled_from(KINDS), CHANGES, st.sampled_from([1.0, 1.0, 0.99, 0.5, 0.03, 0.0]))
 def test_damaged_files_are_imported_or_refused_in_one_line(kind, changes, keep):
