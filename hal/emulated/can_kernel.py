@@ -34,19 +34,19 @@ def fill_ends(
         which = n % len(heads)
         if which == 0:
             bits = 0
-        crc = heads[which, 0]
-        row = heads[which, 1] * symbols
-        bits += heads[which, 2]
+        crc = int(heads[which, 0])
+        row = int(heads[which, 1]) * symbols
+        bits += int(heads[which, 2])
         for k in range(8):
-            byte = data[8 * n + k]
-            crc = (crc & 0x7F) << 8 ^ crc_of_byte[crc >> 7 ^ byte]
-            step = stuffing[row + byte]
+            byte = int(data[8 * n + k])
+            crc = (crc & 0x7F) << 8 ^ int(crc_of_byte[crc >> 7 ^ byte])
+            step = int(stuffing[row + byte])
             row = step >> 2
             bits += step & 3
-        step = stuffing[row + (crc >> 7)]
-        tail = stuffing[(step >> 2) + 256 + (crc & 0x7F)]
+        step = int(stuffing[row + (crc >> 7)])
+        tail = int(stuffing[(step >> 2) + 256 + (crc & 0x7F)])
         bits += (step & 3) + (tail & 3)
-        ends_ns[n] = begins_ns[n // len(heads)] + bits * SECOND // bitrate
+        ends_ns[n] = int(begins_ns[n // len(heads)]) + bits * SECOND // bitrate
         bits += gap_bits
         if which == len(heads) - 1:
             together += bits
