@@ -150,7 +150,7 @@ def test_unknown_preset_and_missing_file(tmp_path: Path) -> None:
 @pytest.mark.soak
 def test_gauss_markov_biases_over_twenty_seeds() -> None:
     """45 h hold eleven correlation times: single runs scatter by a fifth. The Allan variance has no bias, so
-    the process is found in the mean of twenty; above 200 s, since these are instants and no means over 10 s."""
+    the process is found in the mean of twenty; above 200 s, as these are instants and no means over 10 s."""
     times_ns = np.arange(16_200) * 10_000_000_000
     variances: dict[str, list[Any]] = {"gyro": [], "accel": []}
     for seed in range(1, 21):

@@ -51,6 +51,13 @@ def imu_dtype(convention: Convention) -> np.dtype[Any]:
     )
 
 
+class _Archive(zipfile.ZipFile):
+    """An archive that is left alone when it is given up."""
+
+    def __del__(self) -> None:
+        """Nothing is written into a file that was closed because the disk is full."""
+
+
 class NpzWriter:
     """Writes the file."""
 
@@ -58,7 +65,7 @@ class NpzWriter:
         self._about = about
         self._dtype = imu_dtype(source.convention)
         self._force, self._rate = self._dtype.names[1:3] if self._dtype.names else ("", "")
-        self._archive = zipfile.ZipFile(files.open(path), "w", zipfile.ZIP_STORED, allowZip64=True)
+        self._archive = _Archive(files.open(path), "w", zipfile.ZIP_STORED, allowZip64=True)
         self._member = self._open("imu", self._dtype, (source.samples,))
         self._gnss: list[NDArray[np.float64]] = []
 
