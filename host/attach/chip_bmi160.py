@@ -22,7 +22,9 @@ SENSORTIME_HZ = 25_600
 POLLS_PER_SAMPLE = 1.3
 """A chip's clock may be a few per cent fast, and a poll some milliseconds late."""
 DEGREES = 180.0 / np.pi
-IDLE_BUS = (b"\xff" * 15, b"\x00" * 15)
+DATA = slice(1, 13)
+"""In a burst; all zero while the sensors sleep, as after power-on, or the line is low."""
+IDLE = 0xFF
 READ = 0x80
 
 
@@ -60,7 +62,7 @@ class Bmi160OnDesk:
         """One burst."""
         chip = self._chip
         chip.read()
-        if chip.raw[1:].tobytes() in IDLE_BUS:
+        if not chip.raw[DATA].any() or (chip.raw[1:] == IDLE).all():
             return Poll(alive=False)
         sample, now = self._convert(chip.raw)
         if self._last is None:

@@ -18,6 +18,7 @@ from host.attach.chip_statistics import SampleStatistics
 
 CHECK_S = 1.0
 RETRY_S = 0.5
+GONE = Found(False, "the bus reads as if nobody were there", absent=True)
 
 
 class ChipSession:
@@ -133,7 +134,11 @@ class ChipSession:
         now = self._pace.now()
         if not poll.alive:
             self._unbroken = False
+            if self.state.ok:
+                self.state = GONE
             return False
+        if not self.state.ok:  # it may have lost its settings: no sample counts until it was set up again
+            return True
         self.missed += poll.missed
         follows = self._unbroken and not poll.missed
         for sample in poll.samples:

@@ -184,6 +184,23 @@ def test_a_chip_that_goes_away_is_told_at_the_end(tmp_path: Path) -> None:
     assert "nobody answers" in done.stderr
 
 
+def test_a_dip_of_the_supply_is_no_sample_of_zero(tmp_path: Path) -> None:
+    with Desktop(tmp_path / "ttyBRIDGE") as desk:
+        left = iter(range(100))
+
+        def feed(data: bytes) -> bytes:
+            if next(left, None) == 80:
+                desk.chip.brownout()
+            return desk.pirate.feed(data)
+
+        desk.port.receiver = feed
+        found = figures("bmi160", "--port", desk.url, "--seconds", "1.2")
+    assert found["restarts"] >= 1
+    assert found["bridge"]["failures"] == 0
+    lowest = {one["name"]: one["lowest"] for one in found["quantities"]}
+    assert lowest["force z"] == pytest.approx(FORCE[2], abs=0.2)
+
+
 @pytest.mark.soak
 def test_a_bridge_that_is_unplugged_for_a_while_goes_on(tmp_path: Path) -> None:
     with Desktop(tmp_path / "ttyBRIDGE") as desk:
