@@ -131,7 +131,7 @@ def _closing_line(session: ChipSession) -> Text:
         parts.append(f"{session.exchanges_per_s:,.0f} transactions/s")
     text = Text(", ".join(parts))
     if session.restarts:
-        text.append(f", started again {session.restarts} times", "yellow")
+        text.append(f", set up anew {session.restarts} ×", "yellow")
     if not session.state.ok:
         text.append(f"\n{session.state.text}", "bold red")
     return text
