@@ -66,6 +66,14 @@ def start(tmp_path: Path, port: str, *more: str) -> subprocess.Popen:
     return subprocess.Popen([*command, *out, *more], cwd=ROOT, stderr=subprocess.PIPE, text=True)
 
 
+def wait_until_it_runs(tmp_path: Path) -> None:
+    """The port is open, the fix is there, the board is switched on."""
+    deadline = time.monotonic() + 90.0
+    while not (tmp_path / "out" / "manifest.json").exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.1)
+
+
 def ended(tmp_path: Path, process: subprocess.Popen) -> tuple[int, dict, str]:
     """(exit code, the JSON, what was said)."""
     _, said = process.communicate(timeout=120)
@@ -136,7 +144,8 @@ def test_unplugged_silent_and_back(tmp_path, double):
     name = str(tmp_path / "ttyUSB")
     receiver = double("simulated_receiver.py", name)
     process = start(tmp_path, name)
-    time.sleep(14)
+    wait_until_it_runs(tmp_path)
+    time.sleep(8)
     receiver.tell("unplug")
     time.sleep(4)
     receiver.tell("plug")
@@ -198,8 +207,7 @@ def test_a_port_in_use_is_told(tmp_path, double):
     name = str(tmp_path / "ttyBUSY")
     double("simulated_receiver.py", name)
     first = start(tmp_path, name, "--seconds", "10")
-    while not (tmp_path / "out" / "manifest.json").exists():
-        time.sleep(0.1)
+    wait_until_it_runs(tmp_path)
     (tmp_path / "second").mkdir()
     code, _, said = ended(tmp_path / "second", start(tmp_path / "second", name, "--baud", "9600"))
     assert code == 2
