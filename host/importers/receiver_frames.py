@@ -27,6 +27,7 @@ LONGEST_SENTENCE = 1 << 10
 START = re.compile(rb"\xb5\x62|\xd3|\$|(?<![^\n])#")
 COMMENT = re.compile(rb"#[ -~\r\t]*\n")
 SENTENCE = re.compile(rb"\$[ -#%-~]*\r?\n")
+TALKER = re.compile(rb"\$[A-Z]{2}")
 NOT_OF_A_SENTENCE = re.compile(rb"[^ -#%-~\r]|\r[^\n]")
 CRC24Q = crcmod.mkCrcFun(0x1864CFB, initCrc=0, rev=False, xorOut=0)
 
@@ -134,7 +135,9 @@ def _sentence(buffer: bytes, begin: int) -> tuple[Piece | None, int]:
             if len(buffer) - begin > LONGEST_SENTENCE:
                 return Piece.OTHER, begin + 1
             return None, begin
-        return Piece.DAMAGED, stop.start()
+        if TALKER.match(buffer, begin):
+            return Piece.DAMAGED, stop.start()
+        return Piece.OTHER, begin + 1
     return (Piece.NMEA if _sums(match[0]) else Piece.DAMAGED), match.end()
 
 

@@ -109,6 +109,7 @@ class UbxMessages:
             names = ("gnssId", "svId", "sigId", "prMes", "cpMes", "doMes", "cno")
             row = [float(getattr(m, f"{name}_{k:02d}")) for name in names]
             self._rows.add(self._observations, gps_ns, row, place)
+        self._rows.stamp(gps_ns)
 
     def _part(self, m: Any, place: int) -> None:
         if m.iTOW != self._parts_ms:

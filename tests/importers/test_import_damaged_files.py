@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from test_import_arrays import broad
 from test_import_can_logs import DATABASE, frames, written
-from test_import_receiver_logs import esf, nmea_log, pvt
+from test_import_receiver_logs import esf, nmea_log, pvt, raw_bytes
 from test_import_tables import IMU_MAP, write_csv
 from typer.testing import CliRunner
 
@@ -111,6 +111,8 @@ def test_damaged_files_are_imported_or_refused_in_one_line(kind, changes, keep):
                 if channel.message_encoding == "json":
                     json.loads(message.data)
         assert report["duration_s"] >= 0.0
+        if kind in ("ubx", "nmea"):
+            assert raw_bytes(folder / "x.mcap") == (folder / good.name).read_bytes()
         check = CliRunner().invoke(app, ["capture", "check", str(folder / "x.mcap")])
         assert check.exit_code in (0, 1), check.output
 

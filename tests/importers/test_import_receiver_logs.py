@@ -149,6 +149,34 @@ def test_a_written_log_of_ubx_with_sentences_in_between(tmp_path):
     assert raw_bytes(capture) == log
 
 
+def test_a_log_of_raw_measurements_alone_keeps_its_bytes(tmp_path):
+    measured = {
+        "prMes_01": 2.1e7,
+        "cpMes_01": 1.1e8,
+        "doMes_01": -5.5,
+        "gnssId_01": 6,
+        "svId_01": 7,
+        "cno_01": 40,
+    }
+    log = b"".join(
+        UBXMessage(
+            *("RXM", "RXM-RAWX", GET),
+            rcvTow=187_200.0 + k,
+            week=2300,
+            leapS=18,
+            numMeas=1,
+            sigId_01=0,
+            **measured,
+        ).serialize()
+        for k in range(7)
+    )
+    (tmp_path / "x.ubx").write_bytes(log)
+    report, capture = imported(tmp_path, "ubx", tmp_path / "x.ubx")
+    assert report["topics"] == {"/observations": 7, "/uart/gnss/rx": 7}
+    assert report["begins"] == "2024-02-06T03:59:42Z"
+    assert raw_bytes(capture) == log
+
+
 def esf(tag, values):
     """ESF-MEAS with (type, raw value) pairs."""
     data = b"".join(struct.pack("<I", (value & 0xFFFFFF) | kind << 24) for kind, value in values)
