@@ -181,6 +181,7 @@ def test_a_kill_loses_less_than_a_second(tmp_path, adapter):
     process = subprocess.Popen([*command, "--out", str(tmp_path / "kept"), "-q"], cwd=ROOT)
     part = tmp_path / "kept" / "run.mcap.part"
     while not part.exists():
+        assert process.poll() is None
         time.sleep(0.05)
     adapter.say(data[:100_000])
     time.sleep(1.0)
