@@ -27,6 +27,9 @@ from host.record.errors import UserError
 
 SUFFIXES = (".log", ".asc", ".blf", ".trc", ".csv", ".mf4", ".db")
 LINES_AT_ONCE = 2000
+LARGEST_SHORT, LARGEST_LONG = 0x7FF, 0x1FFF_FFFF
+MOST_BYTES = 64
+"""Of a frame of CAN FD."""
 ABSOLUTE_S = 1e8
 """Times above this are Unix times; below, seconds since the log began."""
 NO_NAME = re.compile(r"[^A-Za-z0-9_.-]+")
@@ -146,6 +149,11 @@ class _Log:
         if not 0.0 <= message.timestamp < 9e9:
             case = (in_record(number), f"{message.timestamp:g}")
             self._task.findings.note(Kind.NOT_FINITE, self._file.name, "time", [case], text="left out")
+            return
+        largest = LARGEST_LONG if message.is_extended_id else LARGEST_SHORT
+        if not 0 <= message.arbitration_id <= largest or len(message.data) > MOST_BYTES:
+            case = (in_record(number), f"identifier 0x{message.arbitration_id:X}, {len(message.data)} bytes")
+            self._task.findings.note(Kind.IMPLAUSIBLE, self._file.name, "frame", [case], text="left out")
             return
         time_ns = self._time_ns(message.timestamp)
         bus = NO_NAME.sub("_", str(message.channel)) if message.channel is not None else "can0"

@@ -115,6 +115,16 @@ def test_lines_that_cannot_be_read_are_told_by_number(tmp_path):
     assert sum(isinstance(one, CanMessage) for one in CaptureReader(capture)) == 37
 
 
+def test_frames_that_cannot_be_are_left_out(tmp_path):
+    log = written(tmp_path / "x.csv", [can.Message(timestamp=START + k, arbitration_id=5) for k in range(9)])
+    lines = log.read_text().splitlines()
+    lines[3] = lines[3].replace("0x5", "0x123456789AB")
+    log.write_text("\n".join(lines) + "\n")
+    report, capture = imported(tmp_path, "can", log)
+    assert kinds(report) == {("implausible value", "frame"): 1}
+    assert sum(isinstance(one, CanMessage) for one in CaptureReader(capture)) == 8
+
+
 def test_other_files_are_refused(tmp_path):
     (tmp_path / "x.txt").write_text("hello")
     assert "the name does not tell the format" in refused(tmp_path, "can", tmp_path / "x.txt")
