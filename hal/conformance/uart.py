@@ -44,6 +44,12 @@ def writes_in_order(bench: UartBench) -> None:
     assert bench.sent() == b"".join(pieces), bench.sent()
 
 
+def tells_its_rate(bench: UartBench) -> None:
+    """A port has a bit rate at any time."""
+    rate = bench.port.baud
+    assert isinstance(rate, int) and rate > 0, rate
+
+
 def writes_nothing(bench: UartBench) -> None:
     """An empty write is no error."""
     assert bench.port.write(b"") == 0
@@ -107,6 +113,7 @@ def clean_line_has_no_errors(bench: UartBench) -> None:
 
 CHECKS: tuple[Callable[[UartBench], None], ...] = (
     writes_in_order,
+    tells_its_rate,
     writes_nothing,
     takes_no_more_than_fits,
     receives_into_the_ring,

@@ -27,6 +27,11 @@ class LiveUart:
         link.receiver = self._arrive
         cpu.reset_hooks.append(self._reset)
 
+    @property
+    def baud(self) -> int:
+        """The bit rate of both directions now."""
+        return self.link.baud
+
     def set_baud(self, baud: int) -> None:
         """Change the bit rate once what was written has gone out."""
         self._cpu.safe_point()
