@@ -18,6 +18,7 @@ BUFFER_BYTES = 1 << 18
 """For a client that does not keep up: some 11 s of a line at 230,400 baud."""
 MOST_BYTES = 1 << 20
 INPUT_BYTES = 1 << 16
+LONGEST_STEP_S = 0.1
 READ_BYTES = 1 << 14
 
 
@@ -53,7 +54,9 @@ class Stream:
         self._out = bytearray()
         self._in = bytearray()
         self._full = False
-        self._progress_s = time.monotonic()
+        self._waited_s = 0.0
+        """For so long the client has taken nothing of what waits."""
+        self._attended_s = time.monotonic()
         self._watch()
 
     # -- to the client -----------------------------------------------------------------------------
@@ -68,7 +71,7 @@ class Stream:
         waited = bool(self._out)
         self._out += data
         if not waited:
-            self._progress_s = time.monotonic()
+            self._waited_s = 0.0
             self._write()
 
     def send_aside(self, data: bytes) -> None:
@@ -85,13 +88,21 @@ class Stream:
         return len(self._out)
 
     def attend(self) -> None:
-        """Cut the client off when the run has waited for it for too long."""
-        if self._terms.lossless and self._out and not self.gone:
-            waited_s = time.monotonic() - self._progress_s
-            if waited_s > self._terms.stall_s:
+        """Cut the client off when the run has waited for it for too long.
+
+        Only time in which this was called often counts: while the whole PC stood still, the client could not
+        read either.
+        """
+        now_s = time.monotonic()
+        passed_s, self._attended_s = now_s - self._attended_s, now_s
+        if not self._out or not self._terms.lossless:
+            self._waited_s = 0.0
+        elif not self.gone:
+            self._waited_s += min(passed_s, LONGEST_STEP_S)
+            if self._waited_s > self._terms.stall_s:
                 self._traffic.cut_off += 1
                 self._lose(len(self._out))
-                self._leave(f"took nothing for {waited_s:.0f} s and was cut off")
+                self._leave(f"took nothing for {self._waited_s:.0f} s and was cut off")
 
     def _lose(self, count: int) -> None:
         if not self._full and not self._terms.lossless:
@@ -106,7 +117,7 @@ class Stream:
                 count = self._carrier.write(self._out)
                 del self._out[:count]
                 self._traffic.delivered += count
-                self._progress_s = time.monotonic()
+                self._waited_s = 0.0
         except BlockingIOError:
             pass
         except OSError:
