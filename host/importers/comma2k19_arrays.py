@@ -53,6 +53,8 @@ PAIRS = {
     "pose_velocity_ecef": "pose_t",
     "pose_orientation_ecef": "pose_t",
 }
+LATEST_S = 1e9
+"""On a clock that began when the phone was switched on."""
 EARTH_RADII_M = 6.0e6, 7.0e6
 
 
@@ -65,7 +67,8 @@ def read_comma2k19(task: Task) -> Recording:
             raise UserError(f"{file.path}: {key} has {len(data[key])} rows and {clock} {len(data[clock])}")
     _drop_unsound(task, file.name, data)
     if len(data["imu_gyro_t"]) < 2 or len(data["gnss_t"]) < 2 or len(data["pose_t"]) < 2:
-        raise UserError(f"{file.path}: has fewer than two sound rows of IMU, GNSS or pose")
+        told = "".join(f"\n- {line}" for line in task.findings.lines())
+        raise UserError(f"{file.path}: has fewer than two sound rows of IMU, GNSS or pose{told}")
     task.meter(file.path.stat().st_size)
     drive = drive_of(data, calibrated_gyro=False)
     shift_ns = int(drive.gnss_gps_ms[0]) * 1_000_000 - int(ns_of_seconds(drive.gnss_valid_t[:1])[0])
@@ -93,12 +96,13 @@ def _drop_unsound(task: Task, file: str, data: dict[str, Floats]) -> None:
     """Clocks must rise and rows be numbers for the drive to be put together: what is not so is left out."""
     for clock in ("imu_gyro_t", "gnss_t", "pose_t"):
         owned = [key for key, one in PAIRS.items() if one == clock]
-        sound = np.isfinite(data[clock])
+        sound = np.abs(data[clock]) < LATEST_S
         for key in owned:
             sound &= np.isfinite(data[key]).all(axis=1)
         if clock == "pose_t":
             radius = np.linalg.norm(data["pose_position_ecef"], axis=1)
             sound &= (radius > EARTH_RADII_M[0]) & (radius < EARTH_RADII_M[1])
+            sound &= np.abs(np.linalg.norm(data["pose_orientation_ecef"], axis=1) - 1.0) < 0.1
         if clock == "gnss_t":
             sound &= (np.abs(data["gnss"][:, 0]) <= 90.0) & (data["gnss"][:, 3] > 0.0)
         _tell(task, file, clock, ~sound, Kind.NOT_FINITE, data[clock])
@@ -107,7 +111,7 @@ def _drop_unsound(task: Task, file: str, data: dict[str, Floats]) -> None:
         _tell(task, file, clock, sound & ~rises, Kind.BACK, data[clock])
         for key in (clock, *owned):
             data[key] = data[key][rises]
-    sound = np.abs(data["imu_accel_t"]) < 1e9
+    sound = np.abs(data["imu_accel_t"]) < LATEST_S
     _tell(task, file, "imu_accel_t", ~sound, Kind.NOT_FINITE, data["imu_accel_t"])
     data["imu_accel_t"], data["imu_accel"] = data["imu_accel_t"][sound], data["imu_accel"][sound]
 
@@ -183,6 +187,6 @@ def _others(task: Task, file: str, data: dict[str, Floats], gps: object) -> list
                 Kind.UNREADABLE, file, key, [("its shape", str(values.shape))], text="left out"
             )
             continue
-        sound = np.abs(clock) < 1e9
+        sound = np.abs(clock) < LATEST_S
         streams.append(portions(series, gps(clock[sound]), values[sound], np.flatnonzero(sound)))
     return streams

@@ -41,6 +41,7 @@ class Inspection:
         self._last_ns: int | None = None
         self._step_ns = 0.0
         self._gap_factor = STEADY
+        self._impossible = 0
         self._lost = 0
         """Rows left out for their time."""
 
@@ -61,6 +62,12 @@ class Inspection:
         if self._held is not None:
             rest = self._hand_on(self._held, hold_last=False)
         self._standstill.finish()
+        if self._impossible > MOST_LEFT_OUT * self.taken:
+            told = next(f.line() for f in self._findings.all if f.kind is Kind.IMPLAUSIBLE)
+            raise UserError(
+                f"{self.series.file}: {self.series.topic}: what {self._impossible:,} of {self.taken:,} rows"
+                f" tell cannot be ({told}): another column, unit or scale than named"
+            )
         if self._lost > MOST_LEFT_OUT * self.taken:
             first = next((f for f in self._findings.all if f.kind in (Kind.BACK, Kind.JUMP)), None)
             told = f" ({first.line()})" if first is not None else ""
@@ -103,6 +110,7 @@ class Inspection:
             if found.any():
                 self._tell(Kind.IMPLAUSIBLE, name, rows, found, values[:, column], "left out")
                 keep &= ~found
+                self._impossible += int(np.count_nonzero(found))
         return rows if keep.all() else rows.only(keep)
 
     def _tell_missing(self, rows: Rows, missing: Mask) -> None:

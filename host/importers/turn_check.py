@@ -23,7 +23,7 @@ LONGEST_STEP_S = 2.5
 LONGEST_SAMPLE_STEP_S = 0.5
 LEAST_SPEED_MPS = 3.0
 LEAST_TURNS = 10
-LEAST_TURN_DEG = 2.0
+LEAST_TURN_DEG = 1.0
 """RMS change of course over a step, below which nothing is judged."""
 BELIEVED, DISBELIEVED = 0.9, 0.3
 """Correlations."""
@@ -60,7 +60,12 @@ class TurnCheck:
         if self._imu is None or unit is None:
             return
         turned, felt = self._steps()
-        if len(turned) < LEAST_TURNS or float(np.sqrt(np.mean(turned**2))) < LEAST_TURN_DEG:
+        if len(turned) < LEAST_TURNS:
+            return
+        # A drive with few bends shows the gyro's bias, a steady circle has no spread.
+        if float(np.std(turned)) > LEAST_TURN_DEG:
+            turned, felt = turned - turned.mean(), felt - felt.mean()
+        if float(np.sqrt(np.mean(turned**2))) < LEAST_TURN_DEG:
             return
         size = float(felt @ felt)
         correlation = float(turned @ felt) / math.sqrt(max(size * float(turned @ turned), 1e-30))

@@ -104,6 +104,18 @@ def test_two_recordings_in_one_file_are_refused():
         inspected(SERIES, times, still(400), cut=(128, 256))
 
 
+def test_a_column_that_cannot_be_what_it_is_named_is_refused():
+    values = still(200)
+    values[60:, 4] = 44_04.14
+    _, found = inspected(SERIES, [k * 10_000_000 for k in range(200)], values)
+    assert Kind.IMPLAUSIBLE not in found
+    values[60:, 4] = 44_041.4
+    with pytest.raises(
+        UserError, match=r"what 140 of 200 rows tell cannot be .*force_y_mps2.*line 61: 44041.4"
+    ):
+        inspected(SERIES, [k * 10_000_000 for k in range(200)], values)
+
+
 def test_values_that_are_none_and_that_cannot_be_are_left_out():
     values = still(200)
     values[20, 1] = math.nan
