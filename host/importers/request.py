@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -93,8 +93,6 @@ class ImportResult:
 
     def to_dict(self) -> dict[str, Any]:
         """For `--json`; the keys are stable."""
-        from dataclasses import asdict
-
         return {
             "format": IMPORT_FORMAT,
             "capture": str(self.capture),
