@@ -47,7 +47,8 @@ def writes_in_order(bench: UartBench) -> None:
 def tells_its_rate(bench: UartBench) -> None:
     """A port has a bit rate at any time."""
     rate = bench.port.baud
-    assert isinstance(rate, int) and rate > 0, rate
+    assert isinstance(rate, int), rate
+    assert rate > 0, rate
 
 
 def writes_nothing(bench: UartBench) -> None:
