@@ -6,12 +6,16 @@ import hashlib
 import json
 import signal
 import socket
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 from served_board import Served, ServedHere, heard_by, serial_client
 
+READER = Path(__file__).with_name("link_reader.py")
 MON_VER_POLL = "b5620a0400000e34"
 MON_VER_ANSWER = "b5620a04"
 ANYWHERE = {"pty": "pty", "tcp": "tcp://127.0.0.1:0", "rfc2217": "rfc2217://127.0.0.1:0"}
@@ -173,3 +177,30 @@ def test_signals_end_it_with_a_whole_folder(by, tmp_path):
     assert {"run.mcap", "solution.csv", "manifest.json", "result.json", "report.html"} <= names
     assert json.loads((tmp_path / "out" / "manifest.json").read_text())["status"] == "complete"
     assert result["duration_s"] >= 1.0
+
+
+def test_while_the_whole_pc_stands_still_nobody_is_cut_off(tmp_path):
+    options = ("--uart", "host=tcp://127.0.0.1:0", "--pace", "0", "--duration", "200000", "--stall", "2")
+    with Served(tmp_path / "out", *options, "--no-capture") as board:
+        reader = subprocess.Popen(
+            [sys.executable, str(READER), *board.places["host"].removeprefix("tcp://").rsplit(":", 1)],
+            stdout=subprocess.PIPE,
+            text=True,
+        )
+        assert reader.stdout is not None
+        assert reader.stdout.readline() == "open\n"
+        board.control.ask("resume")
+        reader.send_signal(signal.SIGSTOP)
+        while not board.control.ask("status")["uarts"][0]["backlog"]:
+            time.sleep(0.01)
+        board.process.send_signal(signal.SIGSTOP)
+        time.sleep(2.5)
+        board.process.send_signal(signal.SIGCONT)
+        time.sleep(0.2)
+        reader.send_signal(signal.SIGCONT)
+        board.control.until(board.control.ask("status")["time_s"] + 100.0)
+        board.control.ask("stop")
+        count, digest, gaps, _frames = reader.communicate()[0].split()
+        sent = line(board.ended(), "host")
+    assert sent["cut_off"] == 0
+    assert (int(count), digest, gaps) == (sent["bytes_sent"], sent["sha256_sent"], "0")
