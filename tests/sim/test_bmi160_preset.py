@@ -3,9 +3,11 @@
 import os
 from pathlib import Path
 
+import allantools
 import numpy as np
 import pytest
 from scipy.optimize import nnls
+from standing import sampled, world
 
 from host.sim.errors.presets import load_preset
 
@@ -55,6 +57,25 @@ def test_the_fit_repeats(sensor, axis):
         e = preset.accelerometer
         numbers = (e.noise_ug_per_rthz, e.instability_mg, e.instability_time_s, e.random_walk_mg_per_rts)
         units = (1e-3 * MG, MG, 1.0, MG)
-    for fitted, committed, scale in zip((noise, sigma, t, walk), numbers, units, strict=True):
+    density = np.sqrt(2) * noise  # single-sided
+    for fitted, committed, scale in zip((density, sigma, t, walk), numbers, units, strict=True):
         assert fitted == pytest.approx(committed[axis] * scale, rel=0.01)
     assert worst < 0.15
+
+
+@pytest.fixture(scope="module")
+def at_rest():
+    """Force and rate of half an hour at 100 Hz, (n, 7)."""
+    return sampled(world(imu={"preset": "bmi160"}).imu("a"), 100, 1800, 50.0)
+
+
+@pytest.mark.parametrize("channel", range(6))
+def test_the_simulated_chip_lies_on_the_real_ones_curve(at_rest, channel):
+    """Where white noise rules, the deviation of the simulated chip is the recorded one's."""
+    sensor, unit = ("acc", 1.0) if channel < 3 else ("gyr", DPH)
+    tau = np.loadtxt(FOLDER / f"data_BMI160_{sensor}_t.txt")
+    real = np.loadtxt(FOLDER / f"data_BMI160_{sensor}_{'xyz'[channel % 3]}.txt") * unit
+    asked = np.array([0.2, 0.5, 1.0, 2.0])
+    found, simulated, *_ = allantools.oadev(at_rest[:, channel], rate=100.0, data_type="freq", taus=asked)
+    expected = np.exp(np.interp(np.log(found), np.log(tau), np.log(real)))
+    np.testing.assert_allclose(simulated, expected, rtol=0.15)
