@@ -61,7 +61,7 @@ CAPTURE_FORMAT = "navtwin-capture-3"
 """Of the raw topics; 3 added I²C buses and the senders of CAN frames."""
 FORMAT_2 = "navtwin-capture-2"
 """Had added pins, marks and exact times on the lines into the board."""
-FLUSH_EVERY_NS = 800_000_000
+FLUSH_EVERY_NS = 900_000_000
 UNBOUNDED = 1 << 62
 IMU_TEXT = "{" + ",".join(f'"{name}":%.{n}f' for name, n in zip(IMU.columns, IMU.decimals, strict=True)) + "}"
 """A row of IMU; all of it are numbers."""

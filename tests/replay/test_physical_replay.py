@@ -90,7 +90,7 @@ def test_a_capture_shows_its_sensor_and_positions_to_people():
         elif isinstance(record, Decoded) and record.topic == "/solution":
             solutions[round(record.value["t_s"], 6)] = record.value
     samples = traffic.samples()
-    assert len(shown) > 200
+    assert len(shown) > shown[-1]["t_s"]  # more than one a second
     for row in shown:
         k = int(np.argmin(np.abs(samples.times_ns / 1e9 - row["t_s"])))
         assert samples.times_ns[k] / 1e9 == pytest.approx(row["t_s"], abs=1e-6)
