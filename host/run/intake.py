@@ -6,7 +6,7 @@ Nothing here looks into the firmware: times are the board's clock, mapped to vir
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from host.link.decoder import LinkDecoder
 from host.link.messages import SOLUTION_DTYPE
 from host.record.recorder import Recorder
 from host.record.run_data import BiasEstimate, GnssBatch, Innovation, MotionBatch, SolutionBatch
+from host.run.arrivals import Arrivals, Piece
 from host.run.surroundings import Installation, ReceiverSight
 from host.run.time_tags import TimeTags
 from host.sim.truth import TruthBatch
@@ -37,8 +38,6 @@ SOLUTION_FIELDS = (
     "sigma_attitude",
 )
 UPPER = np.triu_indices(9)
-DATING = (frames.SOLUTION, frames.STATUS)
-"""Frames that tell when what stands around them was sent."""
 
 
 class LinkIntake:
@@ -61,30 +60,28 @@ class LinkIntake:
         self._installation = installation
         cpu = board.cpus[board.description.uarts[port].processor]
         self._virtual_ns: Callable[[int], int] = cpu.virtual_ns
-        cpu.reset_hooks.append(lambda: self._clock_ends(board.time.now))
-        self._bytes = bytearray()
+        cpu.reset_hooks.append(self.flush)  # what has come belongs to the clock that ends here
+        self._pieces: list[Piece] = []
         self._last_solution_ns = -1
-        self._dating: dict[int, bytes] = {}
         self.gather: Callable[[], None] = _nothing
         """Brings what has come over the wires, called first of all in `flush`."""
 
-    def receive(self, data: bytes) -> None:
-        """Bytes of the board's output."""
-        self._bytes += data
+    def receive(self, pieces: Sequence[Piece]) -> None:
+        """Bytes of the board's output, and when they ended."""
+        self._pieces += pieces
 
-    def flush(self, now_ns: int) -> None:
+    def flush(self) -> None:
         """Decode, pair with the truth, and give everything to the recorder."""
         self.gather()
         payloads: dict[int, list[bytes]] = {kind: [] for kind in frames.PAYLOADS}
-        for kind, payload in self.decoder.feed_raw(bytes(self._bytes)):
+        arrivals = Arrivals(self._pieces)
+        self._pieces = []
+        for kind, payload in self.decoder.feed_raw(arrivals.data):
             if kind in payloads:
                 payloads[kind].append(payload)
-                if kind in DATING:
-                    self._dating[kind] = payload
             elif kind == frames.TEXT:
-                at_ns = min(self._text_time_ns(), now_ns)
+                at_ns = arrivals.text_ns(payload)
                 self._recorder.add_event(at_ns, "board", payload.decode(errors="replace"))
-        self._bytes.clear()
         self._take_gnss(_rows(frames.GNSS, payloads))
         self._take_covariances(_rows(frames.COVARIANCE, payloads))
         for row in _rows(frames.INNOVATION, payloads):
@@ -95,16 +92,6 @@ class LinkIntake:
         self._take_biases(_rows(frames.BIAS, payloads))
         self._take_status(_rows(frames.STATUS, payloads))
         self._take_solutions(np.frombuffer(b"".join(payloads[frames.SOLUTION]), SOLUTION_DTYPE))
-
-    def _clock_ends(self, now_ns: int) -> None:
-        """The processor is reset: what has come belongs to the clock that ends here."""
-        self.flush(now_ns)
-        self._dating.clear()
-
-    def _text_time_ns(self) -> int:
-        """Virtual time of a text, which holds none: that of the latest dated frame before it."""
-        times_us = [int.from_bytes(payload[:8], "little") for payload in self._dating.values()]
-        return self._virtual_ns(max(times_us, default=0) * 1000)
 
     def _seconds(self, board_us: float) -> float:
         return self._virtual_ns(int(board_us) * 1000) / 1e9

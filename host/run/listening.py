@@ -7,7 +7,7 @@ it: asked every `FLUSH_EVERY_NS` of virtual time while there is a capture, else 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 from boards.assembly import AssembledBoard
@@ -25,6 +25,7 @@ from host.capture.writer import (
     UartRecorder,
 )
 from host.record.can_course import CanCourse
+from host.run.arrivals import Piece
 from host.run.can_rhythm import CanRhythm
 
 
@@ -92,13 +93,13 @@ class WireEar:
         self._receiver: LateReceiver = wire.connect_late()
         self._record = record
 
-    def take(self) -> bytes:
-        """All bytes that have ended since the last time; every piece goes to the capture."""
+    def take(self) -> list[Piece]:
+        """All that has ended since the last time; every piece goes to the capture."""
         pieces = self._receiver.pieces()
         if self._record is not None:
             for data, end_ns in pieces:
                 self._record(end_ns, data)
-        return b"".join([data for data, _end_ns in pieces])
+        return pieces
 
 
 class CanEar:
@@ -131,7 +132,7 @@ class Ears:
         self,
         board: AssembledBoard,
         host_port: str,
-        to_host: Callable[[bytes], None],
+        to_host: Callable[[Sequence[Piece]], None],
         capture: WireRecords | None,
     ) -> None:
         self._board = board
@@ -171,11 +172,11 @@ class Ears:
     def hand_on(self) -> None:
         """Give everything that has come by now to those who wait for it."""
         for port, ear in self._from_board.items():
-            data = ear.take()
-            if data:
-                self._hashes[port].update(data)
+            pieces = ear.take()
+            if pieces:
+                self._hashes[port].update(b"".join([data for data, _end_ns in pieces]))
                 if port == self._host_port:
-                    self._to_host(data)
+                    self._to_host(pieces)
         for name, can_ear in self._can_ears.items():
             self._hashes[name].update(can_ear.take())
 

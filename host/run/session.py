@@ -90,7 +90,7 @@ class RunSession:
         """Decode and score what has come over the wires by now; takes some milliseconds for a second."""
         if self.now_ns > self._looked_ns:
             self._looked_ns = self.now_ns
-            self._intake.flush(self.now_ns)
+            self._intake.flush()
             collect_young()
 
     def finish(self, wall_s: float) -> RunResult:

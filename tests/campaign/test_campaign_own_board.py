@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import pytest
@@ -45,3 +46,49 @@ def test_figures_of_an_attitude_unit_are_in_its_reports(board: Path, tmp_path: P
     page = (tmp_path / "c" / "report.html").read_text()
     assert page.count("cpu.mcu.load") >= 4, "expectations, side by side, differences, spread"
     assert '"roll, \\u00b0"' in page or '"roll, °"' in page
+
+
+SPEAKING = """
+from firmware.link.frames import FrameWriter
+
+
+def program(io, profile, installation):
+    return Speaking(io)
+
+
+class Speaking:
+    def __init__(self, io):
+        self.io = io
+
+    def main(self):
+        io, link = self.io, FrameWriter()
+        while True:
+            io.cpu.delay(100_000_000)
+            asked = bytearray(2)
+            asked[0] = 0x80
+            io.spi["imu"].transaction(asked)
+            if asked[1] != 0xD1:
+                io.uart["host"].write(link.text("sensor lost"))
+
+    def spoil(self):
+        pass
+
+    def memory(self):
+        return b""
+"""
+
+
+def test_a_board_that_sends_words_only_tells_of_a_fault_in_time(tmp_path: Path) -> None:
+    write_board("word_unit", tmp_path)
+    board = tmp_path / "word_unit"
+    (board / "program.py").write_text(SPEAKING)
+    result = navtwin(
+        *("faults", board, "--only", "chip-off", "--at", "3.05", "--for", "2", "--set", "duration_s=20"),
+        *("--set", "expect={}", "-j", 1, "--out", tmp_path / "sheet"),
+    )
+    assert result.exit_code in (0, 1), result.output
+    with (tmp_path / "sheet" / "faults.csv").open(newline="") as file:
+        (row,) = csv.DictReader(file)
+    assert row["said"] == "sensor lost"
+    assert float(row["detected_after_s"]) < 0.12, "the board looks ten times a second"
+    assert 2.0 <= float(row["recovered_after_s"]) < 2.12, row
