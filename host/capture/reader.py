@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -100,6 +100,18 @@ class CaptureReader:
                 yield RawMessage(
                     channel.topic, channel.message_encoding, schema, record.log_time, record.data
                 )
+
+    def in_time_order(self, topics: Iterable[str]) -> Iterator[RawMessage]:
+        """Messages of some topics by their times, wherever they stand; needs the index of a whole file."""
+        from mcap.reader import make_reader
+
+        with self._opened() as file:
+            reader = make_reader(file)
+            for schema, channel, message in reader.iter_messages(sorted(topics)):
+                if schema is not None:
+                    yield RawMessage(
+                        channel.topic, channel.message_encoding, schema, message.log_time, message.data
+                    )
 
     def windows(self) -> Iterator[Window]:
         """The raw traffic alone, from mark to mark, without unpacking it; the last one of a run that reached

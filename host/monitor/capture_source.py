@@ -1,14 +1,15 @@
 """A capture, played: the board's own bytes where the file has them, else its decoded topics.
 
-Where the file holds neither, the line of a recorded receiver is listened to. A file is read once from front
-to back; records that stand in it a little out of order are put into theirs. A jump back begins anew.
+Where the file holds neither, the line of a recorded receiver is listened to. Decoded topics come by their
+times, since a whole file has an index: imports write minutes of one topic before those of another. Without an
+index, rows that stand in it a little out of order are put into theirs. A jump back begins anew.
 """
 
 from __future__ import annotations
 
 import heapq
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import count
 from pathlib import Path
 
@@ -25,8 +26,8 @@ from host.record.errors import UserError
 from host.run.intake import HOST_PORT
 
 BOARD_LINE = f"/uart/{HOST_PORT}/tx"
-BATCH_NS = 30_000_000_000
-"""Decoded rows are written in batches of some ten seconds: so far they may stand behind later ones."""
+BATCH_NS = 130_000_000_000
+"""Decoded rows of a run are written every two minutes: so far they may stand behind later ones."""
 DATED_NS = 30 * 86_400 * 1_000_000_000
 """A file that begins later than this counts from some calendar's beginning: it is shown from its own."""
 SEEK_S = 10.0
@@ -55,6 +56,8 @@ class CaptureSource:
         self._now_s = 0.0
         self._seek_s: float | None = None
         self._ended = False
+        self._is_whole = False
+        """Whether the file could be read to its end, as far as that was looked at."""
         self._pieces = self._played()
         self._next = next(self._pieces, None)
         self._origin_ns = 0
@@ -143,7 +146,7 @@ class CaptureSource:
         state = "seeking" if self._seek_s is not None else "end" if self._ended else self.pace.told()
         view.source = f"{state}{length}"
         view.source_style = "yellow" if self._ended or self.pace.paused else "green"
-        if self._ended and not self._reader.complete:
+        if self._ended and not (self._is_whole or self._reader.complete):
             view.source += ", the file is not whole"
 
     def _played(self) -> Iterator[Piece]:
@@ -153,18 +156,20 @@ class CaptureSource:
         if BOARD_LINE in topics:
             yield from self._bytes_of(BOARD_LINE)
         elif rows:
-            yield from _in_order(self._rows(Rows("/solution" in rows), rows | {"/event"}))
+            yield from self._rows(Rows("/solution" in rows), rows | {"/event"})
         elif lines:
             yield from self._bytes_of(lines[0])
 
     def _topics(self) -> set[str]:
         """Topics with messages in the file; not all of them, when the board's line is one."""
         topics: set[str] = set()
-        for message in CaptureReader(self._path).messages():
+        reader = CaptureReader(self._path)
+        for message in reader.messages():
             if message.is_raw or not message.topic.startswith("/uart/"):
                 topics.add(message.topic)
             if BOARD_LINE in topics:
                 break
+        self._is_whole = reader.complete
         return topics
 
     def _bytes_of(self, line: str) -> Iterator[Piece]:
@@ -181,11 +186,16 @@ class CaptureSource:
             raise UserError(f"capture {self._path}: damaged: {error}") from None
 
     def _rows(self, rows: Rows, topics: set[str]) -> Iterator[Piece]:
-        for raw in self._reader.messages():
-            if raw.topic in topics and raw.encoding == "json":
-                message = rows.message(raw.topic, raw.time_ns, raw.data)
-                if message is not None:
-                    yield raw.time_ns, message
+        if self._is_whole:
+            return _opened(rows, self._reader.in_time_order(topics))
+        return _in_order(_opened(rows, (raw for raw in self._reader.messages() if raw.topic in topics)))
+
+
+def _opened(rows: Rows, found: Iterable[RawMessage]) -> Iterator[Piece]:
+    for raw in found:
+        message = rows.message(raw.topic, raw.time_ns, raw.data) if raw.encoding == "json" else None
+        if message is not None:
+            yield raw.time_ns, message
 
 
 def _in_order(pieces: Iterator[Piece]) -> Iterator[Piece]:

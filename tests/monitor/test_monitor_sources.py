@@ -110,6 +110,43 @@ def test_an_imported_receiver_log(tmp_path):
     assert "receiver: 3D" in monitor(capture, "--once").stdout
 
 
+def test_an_imported_drive_shows_all_of_one_time_together(tmp_path):
+    """Topics stand in such a file minutes after one another."""
+    imu = [f"{t / 50},0,0,{t / 50},0.25,0,-9.75" for t in range(50 * 120)]
+    gnss = [f"{t / 5},48.1,11.5,500,{t / 5}" for t in range(5 * 120)]
+    (tmp_path / "imu.csv").write_text("\n".join(["t,gx,gy,gz,ax,ay,az", *imu]))
+    (tmp_path / "gnss.csv").write_text("\n".join(["t,lat,lon,h,hdop", *gnss]))
+    (tmp_path / "map.toml").write_text(
+        """
+        [time]
+        column = "t"
+        [imu]
+        file = "imu.csv"
+        gyro = { columns = ["gx", "gy", "gz"], unit = "deg/s" }
+        accel = { columns = ["ax", "ay", "az"], unit = "m/s2" }
+        [gnss]
+        file = "gnss.csv"
+        position = { columns = ["lat", "lon"] }
+        height = { column = "h" }
+        hdop = "hdop"
+        """
+    )
+    capture = str(tmp_path / "drive.mcap")
+    files = [str(tmp_path / name) for name in ("imu.csv", "gnss.csv")]
+    options = ["--map", str(tmp_path / "map.toml"), "-o", capture, "-q"]
+    made = CliRunner().invoke(app, ["import", "csv", *files, *options])
+    assert made.exit_code == 0, made.output
+    source, view = CaptureSource(Path(capture), speed=0.0), MonitorView("drive")
+    source.pump(view, 60.0, 0.0)  # the clock begins
+    for now_s in (20.0, 70.0):
+        source.pump(view, 60.0, now_s)
+        assert source.now_s == pytest.approx(now_s)
+        shown = imu_lines(view.state, 60, 20)[0].plain.split()
+        assert float(shown[-1]) == pytest.approx(now_s, abs=0.1)
+        assert view.state.gnss.hdop_centi == pytest.approx(now_s * 100, abs=20)
+    source.close()
+
+
 def test_gyro_and_accelerometer_recorded_by_turns(tmp_path):
     """Imported arrays hold inertial samples, an attitude and no position."""
     writer = Rows(has_solution=False)
