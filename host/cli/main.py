@@ -15,6 +15,7 @@ from host.cli.baseline_command import app as baseline_app
 from host.cli.campaign_command import Baseline, Tolerance, campaign_command
 from host.cli.capture_command import app as capture_app
 from host.cli.diff_command import diff_command
+from host.cli.evaluate_command import evaluate_command
 from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
 from host.cli.faults_command import faults_command
 from host.cli.import_command import import_command
@@ -178,6 +179,7 @@ app.command("monitor")(monitor_command)
 app.command("simulate")(simulate_command)
 app.command("inverse")(inverse_command)
 app.command("allan")(allan_command)
+app.command("evaluate")(evaluate_command)
 
 
 def main() -> None:

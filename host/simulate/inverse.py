@@ -73,7 +73,7 @@ class Inverse:
             count = min(BLOCK, self.samples - first)
             times_ns = instants(self.rate_hz, first, count + 1)
             lengths = np.diff(times_ns) / NS
-            wanted = _wanted(self.motion.motion(times_ns[1:] / NS))
+            wanted = wanted_states(self.motion.motion(times_ns[1:] / NS))
             increments, states = np.empty((count, 6)), np.empty((count, STATE))
             invert(loop, wanted, lengths, increments, states)
             loop = states[-1].copy()
@@ -87,7 +87,7 @@ class Inverse:
         """The state at time 0, with what the interval before it would have been at the same rates."""
         step = float(1 / self.rate_hz)
         rows = self.motion.motion(np.array([0.0, step]))
-        wanted = _wanted(rows)
+        wanted = wanted_states(rows)
         state = np.zeros(STATE)
         state[:TURNED] = wanted[0]
         state[GAINED:BENT] = wanted[1, VELOCITY:QUATERNION] - wanted[0, VELOCITY:QUATERNION]
@@ -185,7 +185,7 @@ def invert_track(
     return Inverted(closure, time.perf_counter() - begin, tuple(files.paths), fastest, strongest)
 
 
-def _wanted(rows: Floats) -> Floats:
+def wanted_states(rows: Floats) -> Floats:
     """Rows (n, 10) for the inverse: position, velocity, quaternion."""
     half = 0.5 * rows[:, 6:9]
     (cy, cp, cr), (sy, sp, sr) = np.cos(half).T, np.sin(half).T

@@ -1,0 +1,194 @@
+"""How far a loosely coupled filter drifts without a receiver: outages of equal length along one drive.
+
+source 002, section 4.5. The sensor's errors are those of a preset alone, the receiver's are white: 2 cm and
+2 cm/s on every axis at 1 Hz. A drive that is too short is driven again and again.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import NDArray
+
+from host.sim.errors.drawn import draw_specimen
+from host.sim.errors.presets import load_preset
+from host.sim.errors.schema import ImuErrors
+from host.sim.gnss.schedule import Window, held, window
+from host.sim.gnss.settings import GnssSettings
+from host.sim.scenario.schema import Scenario
+from host.sim.seeding import generator
+from host.sim.simulated import SimulatedVehicle
+from host.sim.trajectory.kinematics import C_NB, HEIGHT, LATITUDE, LONGITUDE, VELOCITY
+from host.sim.truth import euler_angles
+from host.simulate.instants import NS
+from host.simulate.inverse import matrices, wanted_states
+from host.simulate.loose_filter import LooseFilter, tuning_of
+from host.simulate.stream import IMU, Block, Convention, Drive, Request
+
+Floats = NDArray[np.float64]
+Progress = Callable[[float, float], None]
+
+RATE_HZ = 200
+GNSS_M, GNSS_MPS = 0.02, 0.02
+START_TILT, START_YAW = math.radians(0.1), math.radians(0.5)
+EARTH_RADIUS = 6.371e6
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """When there is no receiver."""
+
+    outages: int = 20
+    length_s: int = 60
+    gap_s: int = 120
+    """Between outages, with a receiver."""
+    settle_s: int = 300
+    """Before the first one."""
+
+    @property
+    def starts_s(self) -> tuple[int, ...]:
+        """Of each outage."""
+        return tuple(self.settle_s + k * (self.length_s + self.gap_s) for k in range(self.outages))
+
+    @property
+    def duration_s(self) -> int:
+        """Of the drive: a second beyond the last outage."""
+        return self.starts_s[-1] + self.length_s + 1
+
+    def windows(self) -> list[Window]:
+        """Without the receiver's epochs, the one at their very end too."""
+        return [window(start, self.length_s + 0.5) for start in self.starts_s]
+
+
+@dataclass(frozen=True, slots=True)
+class Drift:
+    """What one sensor did: errors each second, estimated minus true."""
+
+    preset: str
+    t_s: Floats
+    errors: Floats
+    """(n, 6): north, east, down in m; roll, pitch, yaw in °."""
+    claimed_m: Floats
+    """(n,): horizontal 1 σ by the filter's own covariance."""
+    plan: Plan
+
+    def rows(self, after_s: int) -> NDArray[np.int64]:
+        """Where the seconds `after_s` after each outage's beginning stand."""
+        return np.searchsorted(self.t_s, [start + after_s for start in self.plan.starts_s])
+
+    def horizontal_m(self) -> Floats:
+        """(outages, length + 1): horizontal error each second of each outage."""
+        grid = np.array([self.rows(after) for after in range(self.plan.length_s + 1)]).T
+        return np.hypot(self.errors[grid, 0], self.errors[grid, 1])
+
+    def horizontal_rms_m(self) -> float:
+        """Over the ends."""
+        return float(np.sqrt(np.mean(self.horizontal_m()[:, -1] ** 2)))
+
+    def claimed_rms_m(self) -> float:
+        """What the filter expects that to be."""
+        return float(np.sqrt(np.mean(self.claimed_m[self.rows(self.plan.length_s)] ** 2)))
+
+    def rms(self, column: int) -> float:
+        """Of one column of `errors` over the ends."""
+        return float(np.sqrt(np.mean(self.errors[self.rows(self.plan.length_s), column] ** 2)))
+
+
+def driven(scenario: Scenario, plan: Plan, preset: str) -> Scenario:
+    """The scenario as this test wants it. Raises ScenarioError when its motion is impossible."""
+    plain = scenario.model_copy(
+        update={
+            "duration_s": None,
+            "imu": ImuErrors(preset=preset),
+            "gnss": GnssSettings(
+                position_white_m=GNSS_M,
+                position_markov_m=0.0,
+                vertical_factor=1.0,
+                velocity_white_mps=GNSS_MPS,
+            ),
+            "outage": [],
+            "fault": [],
+        }
+    )
+    wanted_ns = plan.duration_s * NS
+    if plain.segment:
+        once_ns = SimulatedVehicle(plain, 1).duration_ns
+        plain = plain.model_copy(update={"segment": plain.segment * -(-wanted_ns // once_ns)})
+    return plain.model_copy(update={"duration_s": float(plan.duration_s)})
+
+
+def drift_of(scenario: Scenario, plan: Plan, preset: str, seed: int, progress: Progress | None) -> Drift:
+    """Drive along and measure. Raises ScenarioError."""
+    request = Request(
+        driven(scenario, plan, preset), seed, Fraction(RATE_HZ), Fraction(1), Convention.INCREMENT
+    )
+    drive = Drive(request)
+    specimen = draw_specimen(load_preset(preset), seed, IMU)
+    windows = plan.windows()
+    found: list[list[float]] = []
+    tracker: LooseFilter | None = None
+    before_ns = 0
+    epochs = drive.receiver_epochs()
+    next(epochs)
+    for block, ends_second in _by_second(drive):
+        if tracker is None:
+            tracker = _started(tuning_of(specimen), block.truth[0], seed)
+            block, before_ns = _part(block, 1, len(block.times_ns)), int(block.times_ns[0])
+        lengths = np.diff(block.times_ns, prepend=before_ns) / NS
+        tracker.predict(np.hstack((block.felt[:, 3:6], block.felt[:, :3])), lengths)
+        before_ns = int(block.times_ns[-1])
+        if not ends_second:
+            continue
+        claimed = math.sqrt(tracker.covariance[0, 0] + tracker.covariance[1, 1])
+        found.append([before_ns / NS, *_errors(tracker.state, block.truth[-1]), claimed])
+        time_ns, epoch = next(epochs)
+        assert time_ns == before_ns
+        if not held(windows, time_ns):
+            place = np.array([epoch.latitude, epoch.longitude, epoch.height])
+            tracker.update(place, np.array(epoch.velocity_ned), GNSS_M, GNSS_MPS)
+        if progress is not None:
+            progress(before_ns / NS, plan.duration_s)
+    table = np.array(found)
+    return Drift(preset, table[:, 0], table[:, 1:7], table[:, 7], plan)
+
+
+def _part(block: Block, first: int, end: int) -> Block:
+    return Block(block.times_ns[first:end], block.felt[first:end], block.truth[first:end])
+
+
+def _by_second(drive: Drive) -> Iterator[tuple[Block, bool]]:
+    """The drive's blocks, cut at whole seconds, and whether one ends there."""
+    for block in drive.blocks():
+        cuts = (np.flatnonzero(block.times_ns % NS == 0) + 1).tolist()
+        first = 0
+        for cut in [*cuts, len(block.times_ns)]:
+            if cut > first:
+                yield _part(block, first, cut), cut in cuts
+            first = cut
+
+
+def _started(tuning: Floats, truth: Floats, seed: int) -> LooseFilter:
+    """A filter that begins with a wrong attitude, as after an alignment."""
+    row = np.concatenate((truth[: VELOCITY + 3], _angles(truth[C_NB : C_NB + 9])))
+    draws = generator(seed, "outage_test.alignment").standard_normal(3)
+    row[6:9] += draws * [START_YAW, START_TILT, START_TILT]
+    assert (LATITUDE, LONGITUDE, HEIGHT, VELOCITY) == (0, 1, 2, 3)
+    return LooseFilter(tuning, wanted_states(row[None])[0], START_TILT, START_YAW)
+
+
+def _angles(matrix: Floats) -> Floats:
+    """Yaw, pitch, roll."""
+    return np.array([float(angle[0]) for angle in euler_angles(matrix[None])])
+
+
+def _errors(state: Floats, truth: Floats) -> list[float]:
+    north = (state[0] - truth[LATITUDE]) * EARTH_RADIUS
+    east = (state[1] - truth[LONGITUDE]) * EARTH_RADIUS * math.cos(truth[LATITUDE])
+    down = truth[HEIGHT] - state[2]
+    off = _angles(matrices(state[None, 6:10])[0]) - _angles(truth[C_NB : C_NB + 9])
+    yaw, pitch, roll = np.degrees((off + math.pi) % (2.0 * math.pi) - math.pi).tolist()
+    return [north, east, down, roll, pitch, yaw]
