@@ -20,7 +20,7 @@ from pathlib import Path
 from host.record.errors import UserError
 from host.serve.endpoint import Terms, Traffic
 from host.serve.hub import Hub, Waited
-from host.serve.stream import READ_BYTES, Stream
+from host.serve.stream import INPUT_BYTES, READ_BYTES, Stream
 
 LOOK_EVERY_S = 0.02
 SETTLED_S = 0.1
@@ -55,6 +55,8 @@ class PtyEndpoint:
         self._link = link
         self._option = option
         self._stream: Stream | None = None
+        self._left = bytearray()
+        """What clients wrote who have gone since."""
         self._barred = False
         """Whoever has it open was cut off; opened anew it is served again."""
         self._looked_s = 0.0
@@ -87,16 +89,19 @@ class PtyEndpoint:
 
     def take(self, room: int) -> bytes:
         """What was written to it."""
-        return b"" if self._stream is None else self._stream.take(room)
+        data = bytes(self._left[:room])
+        del self._left[: len(data)]
+        return data if self._stream is None else data + self._stream.take(room - len(data))
 
     def attend(self) -> None:
         """Notice who came and went."""
         now_s = time.monotonic()
         if self._stream is not None:
             self._stream.attend()
-            if self._stream.gone and not self._stream.waiting:
+            if self._stream.gone and len(self._left) + self._stream.waiting <= INPUT_BYTES:
+                self._left += self._stream.take(INPUT_BYTES)
+                self._barred = self._stream.cut_off and self._is_open()
                 self._stream = None
-                self._barred = self._is_open()
                 self._throw_away()
             return
         if now_s - self._looked_s >= LOOK_EVERY_S:
@@ -154,7 +159,7 @@ class PtyEndpoint:
         with contextlib.suppress(OSError, termios.error):
             slave = os.open(self._slave_name, os.O_RDONLY | os.O_NOCTTY | os.O_NONBLOCK)
             try:
-                termios.tcflush(self._master, termios.TCIOFLUSH)
+                termios.tcflush(self._master, termios.TCOFLUSH)  # what the next one writes stays
                 termios.tcflush(slave, termios.TCIFLUSH)
             finally:
                 os.close(slave)

@@ -46,6 +46,8 @@ class Stream:
     def __init__(self, hub: Hub, carrier: Carrier, name: str, terms: Terms, traffic: Traffic) -> None:
         self.name = name
         self.gone = False
+        self.cut_off = False
+        """It did not go by itself."""
         self.lost = 0
         self._hub = hub
         self._carrier = carrier
@@ -101,6 +103,7 @@ class Stream:
             self._waited_s += min(passed_s, LONGEST_STEP_S)
             if self._waited_s > self._terms.stall_s:
                 self._traffic.cut_off += 1
+                self.cut_off = True
                 self._lose(len(self._out))
                 self._leave(f"took nothing for {self._waited_s:.0f} s and was cut off")
 

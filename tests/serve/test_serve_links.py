@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
+import select
 import signal
 import socket
 import subprocess
@@ -165,6 +167,28 @@ def test_what_one_client_of_a_terminal_has_not_read_is_not_for_the_next_one(tmp_
         board.ended()
     assert 0 < len(fresh) < 2000
     assert not (tmp_path / "tty").is_symlink()
+
+
+@pytest.mark.parametrize("written", [b"", b"x" * 3000])
+def test_a_terminal_that_is_opened_again_at_once_is_served_again(written, tmp_path):
+    """As programs do that look whether a port is there before they use it."""
+    places = (f"gnss=pty:{tmp_path / 'tty'}",)
+    with ServedHere(None, *places, duration_s=1e6, pace=20.0) as board:
+        board.control.ask("resume")
+        heard = []
+        for _ in range(8):
+            terminal = os.open(tmp_path / "tty", os.O_RDWR | os.O_NOCTTY)
+            os.write(terminal, written)
+            time.sleep(0.05)
+            os.close(terminal)
+            terminal = os.open(tmp_path / "tty", os.O_RDWR | os.O_NOCTTY)
+            heard.append(bool(select.select([terminal], [], [], 5.0)[0]))
+            os.close(terminal)
+            time.sleep(0.05)
+        board.control.ask("stop")
+        result = board.ended()
+    assert all(heard)
+    assert line(result, "gnss")["bytes_written"] == 8 * len(written)
 
 
 @pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGTERM])
