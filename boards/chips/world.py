@@ -43,6 +43,18 @@ class CompassWorld(Protocol):
         ...
 
 
+class TenDofWorld(Protocol):
+    """What a sensor of rate, force, magnetic field and pressure feels, with its own errors."""
+
+    def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> NDArray[np.float64]:
+        """Instantaneous values at `times_ns`, shape (n, 11).
+
+        Columns: those of `ImuWorld.sample`, to which all said there applies, then magnetic flux density x, y, z
+        in T in the chip's own axes, and static pressure in Pa.
+        """
+        ...
+
+
 @dataclass(frozen=True, slots=True)
 class Satellite:
     """One satellite in view. `cn0_dbhz` is 0 when it is not tracked; numbers are those of NMEA 4.0."""

@@ -1,0 +1,267 @@
+"""The ADIS16407 as a part on a board: 16-bit words on SPI, a one-word pipeline, the burst.
+
+    DIN    read A | read B | 0x4200 |   0    |   0   | …
+    DOUT     ?    |   A    |   B    | SUPPLY | XGYRO | … | AUX_ADC
+
+Chip select may go high after every word or stay low over several; within one low period everything is read
+and written as of its beginning. The usual access, a burst of a sample that nobody has read, is one slice.
+"""
+
+from __future__ import annotations
+
+from boards.chips.adis16407.core import ALL_UNREAD, DEFECTS, SPI_ERROR, Core
+from boards.chips.adis16407.flash import Flash
+from boards.chips.adis16407.pins import Pins, PinSide
+from boards.chips.adis16407.register_map import DIAG_STAT, GLOB_CMD, GPIO_CTRL, OUTPUTS
+from boards.chips.adis16407.settings import is_slow
+from boards.chips.registers import AccessLog, AccessReport, ReportKind
+from boards.chips.world import TenDofWorld
+from hal.emulated.virtual_time import SECOND, VirtualTime
+
+BURST = bytes((GLOB_CMD,)) + bytes(29)
+BURST_WORDS = 1 + len(OUTPUTS)
+FASTEST_HZ, FASTEST_BURST_HZ, FASTEST_SLOW_HZ = 2_000_000, 1_000_000, 300_000
+STALL_NS, SLOW_STALL_NS = 9_000, 75_000
+NOTHING = b"\x00\x00"
+DAC_V_PER_COUNT = 0.806e-3
+
+
+class Adis16407:
+    """One ADIS16407. `transaction` is its bus face; `pins` takes the nets of DIO1 … DIO4 and RST.
+
+    `clock_error_ppm`: how much its sample clock is fast. `supply_v`, `aux_adc_v`: supply and voltage at the
+    ADC input, which may be set later too. `serial_number`, `lot_id` (32 bits), `flash_count`: of this unit.
+    `defects`: what is broken ("gyro_x" … "accel_z", "barometer"), as the self-test finds it. `start_ns`:
+    when its supply comes up. `strict`: reports are raised as UndocumentedAccessError.
+    """
+
+    feels = "ten_dof"
+    """The world that it asks."""
+    spi_modes = (3,)
+
+    def __init__(
+        self,
+        time: VirtualTime,
+        world: TenDofWorld,
+        *,
+        clock_error_ppm: float = 0.0,
+        supply_v: float = 5.0,
+        aux_adc_v: float = 0.0,
+        serial_number: int = 1,
+        lot_id: int = 1,
+        flash_count: int = 0,
+        defects: tuple[str, ...] | list[str] = (),
+        start_ns: int = 0,
+        strict: bool = False,
+        name: str = "ADIS16407",
+    ) -> None:
+        for what, value, bits in (("serial_number", serial_number, 16), ("lot_id", lot_id, 32),
+                                  ("flash_count", flash_count, 16)):  # fmt: skip
+            if not 0 <= value < 1 << bits:
+                raise ValueError(f"{name}: {what} = {value}; it has {bits} bits, e.g. 1234")
+        self.name = name
+        self.log = AccessLog(name, strict=strict)
+        self._time = time
+        identity = (lot_id & 0xFFFF, lot_id >> 16, serial_number)
+        error_ppb = round(clock_error_ppm * 1000.0)
+        self._core = core = Core(world, self.log, error_ppb, Flash(flash_count), identity)
+        self.break_parts(*defects)
+        core.set_analog(0, _volts(name, "supply_v", supply_v), _volts(name, "aux_adc_v", aux_adc_v))
+        self._side = PinSide(time, core, self.log, self._reset_pin)
+        self.pins: Pins = self._side.pins
+        self._powered = True
+        self._held_in_reset = False
+        self._frequency_hz = 0
+        self._vetted: set[tuple[int, int, bool, bool]] = set()
+        self._ended_ns = -SECOND
+        self._answer = NOTHING
+        core.start_up(start_ns)
+
+    @property
+    def reports(self) -> list[AccessReport]:
+        """Accesses outside the documents or the model, the first of each kind with its time."""
+        return self.log.reports
+
+    # -- surroundings ------------------------------------------------------------------------------
+
+    def power(self, on: bool) -> None:
+        """Switch the supply, now. The flash keeps its content, unless it is being written."""
+        if on == self._powered:
+            return
+        self._core.advance(self._time.now)
+        self._powered = on
+        self._restart()
+
+    def brownout(self) -> None:
+        """A dip of the supply, now."""
+        self.power(False)
+        self.power(True)
+
+    def _reset_pin(self, held: bool) -> None:
+        self._core.advance(self._time.now)
+        self._held_in_reset = held
+        self._restart()
+
+    def _restart(self) -> None:
+        self._answer = NOTHING
+        if self._powered and not self._held_in_reset:
+            self._core.shut_down()
+            self._core.start_up(self._time.now)
+        else:
+            self._core.shut_down()
+        self._side.schedule()
+
+    @property
+    def supply_v(self) -> float:
+        """Supply voltage; the part measures it."""
+        return self._core.sampler.supply_v
+
+    @supply_v.setter
+    def supply_v(self, volts: float) -> None:
+        self._core.set_analog(self._time.now, supply_v=_volts(self.name, "supply_v", volts))
+
+    @property
+    def aux_adc_v(self) -> float:
+        """Voltage at the ADC input."""
+        return self._core.sampler.adc_v
+
+    @aux_adc_v.setter
+    def aux_adc_v(self, volts: float) -> None:
+        self._core.set_analog(self._time.now, adc_v=_volts(self.name, "aux_adc_v", volts))
+
+    @property
+    def aux_dac_v(self) -> float:
+        """Voltage at the DAC output."""
+        return self._core.dac_code * DAC_V_PER_COUNT if self._powered else 0.0
+
+    def break_parts(self, *parts: str) -> None:
+        """Have the self-test find these parts broken, and no others."""
+        for part in parts:
+            if part not in DEFECTS:
+                raise ValueError(f"{self.name}: defect {part!r}; possible: {', '.join(DEFECTS)}")
+        self._core.defects = frozenset(parts)
+
+    # -- SPI ---------------------------------------------------------------------------------------
+
+    def clocked_at(self, frequency_hz: int) -> None:
+        """The bus tells its clock; without that it is judged by the length of transactions."""
+        self._frequency_hz = frequency_hz
+        self._vetted.clear()
+
+    def transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
+        """One chip-select low period; see `hal.emulated.spi.SpiSlave`."""
+        core = self._core
+        if mosi != BURST or not self._powered or start_ns < core.answers_ns:
+            return self._transaction(mosi, start_ns, end_ns)
+        self._check_times(BURST_WORDS, True, start_ns, end_ns)
+        sampler = core.sampler
+        if start_ns >= sampler.next_ns or start_ns >= core.next_ns:
+            core.advance(start_ns)
+        if core.unread != ALL_UNREAD or core.diagnosis:
+            return self._words(mosi, start_ns)
+        core.unread = 0
+        answer, words = self._answer, sampler.words
+        self._answer = words[-2:]
+        return answer + words
+
+    def _transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
+        if not self._powered or self._held_in_reset:
+            return b"\xff" * len(mosi)
+        if not mosi:
+            return b""
+        core = self._core
+        if start_ns < core.answers_ns:
+            core.selected(start_ns)
+            self._ended_ns = end_ns
+            self.log.report(ReportKind.TIMING, "SPI", "access while starting up or asleep: lost", start_ns)
+            self._side.schedule()
+            return bytes(len(mosi))
+        core.advance(start_ns)
+        words, rest = divmod(len(mosi), 2)
+        self._check_times(words, mosi[0] & 0xFE == GLOB_CMD and words > 1, start_ns, end_ns)
+        miso = self._words(mosi, start_ns)
+        if rest:
+            core.diagnosis |= SPI_ERROR
+            detail = "clocks are no multiple of 16: the last word is lost"
+            self.log.report(ReportKind.PROTOCOL, "SPI", detail, start_ns)
+            miso += b"\x00"
+        return miso
+
+    def _words(self, mosi: bytes | bytearray, time_ns: int) -> bytes:
+        """Whole words, each answered by what the one before asked for."""
+        miso = bytearray()
+        count = len(mosi) // 2
+        k = 0
+        changed = False
+        while k < count:
+            miso += self._answer
+            high, low = mosi[2 * k], mosi[2 * k + 1]
+            k += 1
+            if high & 0x80:
+                changed = True
+                self._core.write(high & 0x7F, low, time_ns)
+                if time_ns < self._core.answers_ns:  # a reset, or sleep
+                    self._answer = NOTHING
+                    break
+            elif high & 0x7E == GLOB_CMD and k < count:
+                miso += self._burst(mosi[2 * k : 2 * (k + len(OUTPUTS))], time_ns)
+                k += len(OUTPUTS)
+            else:
+                self._answer = self._read(high, time_ns).to_bytes(2, "big")
+                changed = changed or high & 0x7E == DIAG_STAT
+        if changed:
+            self._side.schedule()
+        return bytes(miso) + bytes(2 * count - len(miso))
+
+    def _read(self, address: int, time_ns: int) -> int:
+        value = self._core.read(address, time_ns)
+        return value | self._side.levels() if address & 0x7E == GPIO_CTRL else value
+
+    def _burst(self, mosi: bytes | bytearray, time_ns: int) -> bytes:
+        """The outputs in a row, as long as it is clocked."""
+        words = len(mosi) // 2
+        if any(mosi):
+            detail = "data in during a burst: ignored"
+            self.log.report(ReportKind.PROTOCOL, "SPI", detail, time_ns)
+        if words < len(OUTPUTS):
+            self.log.report(ReportKind.PROTOCOL, "SPI", f"burst ended after {words} outputs", time_ns)
+        answers = b"".join(self._core.output(k).to_bytes(2, "big") for k in range(words))
+        self._answer = answers[-2:]
+        return answers
+
+    # -- timing ------------------------------------------------------------------------------------
+
+    def _check_times(self, words: int, burst: bool, start_ns: int, end_ns: int) -> None:
+        slow = is_slow(self._core.registers.values)
+        if start_ns - self._ended_ns < (SLOW_STALL_NS if slow else STALL_NS):
+            self._late("pause between words too short: undefined, served", start_ns)
+        self._ended_ns = end_ns
+        key = (words, end_ns - start_ns, burst, slow)
+        if key not in self._vetted and self._within_limits(*key, start_ns):
+            self._vetted.add(key)
+
+    def _within_limits(self, words: int, duration_ns: int, burst: bool, slow: bool, start_ns: int) -> bool:
+        limit = FASTEST_BURST_HZ if burst else FASTEST_HZ
+        if slow:
+            limit = FASTEST_SLOW_HZ
+        fast = self._frequency_hz > limit
+        clock = self._frequency_hz or limit
+        stall_ns = SECOND // clock if burst else SLOW_STALL_NS if slow else STALL_NS
+        clocked_ns = 16 * words * SECOND // clock
+        short = duration_ns + 1 < clocked_ns + (words - 1) * stall_ns
+        if not self._frequency_hz and duration_ns + 1 < clocked_ns:
+            fast, short = True, False
+        if fast:
+            self._late(f"clock faster than {limit // 1000} kHz: undefined, served", start_ns)
+        elif short:
+            self._late("pause between words too short: undefined, served", start_ns)
+        return not fast and not short
+
+    def _late(self, detail: str, time_ns: int) -> None:
+        self.log.report(ReportKind.TIMING, "SPI", detail, time_ns)
+
+
+def _volts(name: str, what: str, volts: float) -> float:
+    if not 0.0 <= volts <= 7.0:
+        raise ValueError(f"{name}: {what} = {volts}; it must lie in 0 … 7 V, e.g. 5.0")
+    return float(volts)

@@ -1,0 +1,286 @@
+"""From the world to the output registers: samples in blocks, as images of a burst.
+
+The world is asked ahead at the sample instants of the chip's own clock, or one by one at the edges of an
+external one. Gyros, accelerometers and magnetometers then go through two boxcar means of 2^N samples (a
+Bartlett window):
+
+    y[n] = 2^(−2N) Σ_i Σ_j x[n − i − j],    i, j = 0 … 2^N − 1
+
+Counts are rounded, clipped and packed into 28 bytes a sample: the data bits of SUPPLY_OUT to AUX_ADC, high
+byte first, with ND set, as they come in a burst.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from boards.chips.adis16407.settings import (
+    CLOCK_HZ,
+    NOISE_BANDWIDTH_HZ,
+    SELF_TEST_DPS,
+    SELF_TEST_G,
+    AlarmSetting,
+    Conversion,
+)
+from boards.chips.oscillator import Oscillator
+from boards.chips.world import TenDofWorld
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+STRIDE: Final = 28
+FAR: Final = 1 << 62
+FIRST_BLOCK, BLOCK, LONGEST_NS = 64, 410, 4_000_000_000
+MEMORY = 2 * 127 + 255
+"""Samples before a block that its filter and alarms may look back at."""
+
+OVER_RANGE, SUPPLY_HIGH, SUPPLY_LOW = 1 << 4, 1 << 1, 1 << 0
+SUPPLY_LIMITS_V = (4.75, 5.25)
+STANDARD_GRAVITY = 9.80665
+ACCEL_RANGE, MAGN_RANGE_T, BARO_RANGE_PA = 18.0 * STANDARD_GRAVITY, 2.5e-4, (1_000.0, 120_000.0)
+DPS_AT_300, G_PER_COUNT, TESLA_PER_COUNT = 0.05, 1.0 / 300.0, 0.5e-7
+PASCAL_PER_COUNT, KELVIN_PER_COUNT = 0.03125, 0.136
+SUPPLY_V_PER_COUNT, ADC_V_PER_COUNT = 2.418e-3, 0.806e-3
+FORCE, RATE, TEMPERATURE, FIELD, PRESSURE = slice(0, 3), slice(3, 6), 6, slice(7, 10), 10
+"""Columns of the world."""
+
+_BITS_SIGNED = (
+    (12, False), *((14, True),) * 9, (14, False), (8, False), (12, True), (12, False),
+)  # fmt: skip
+_LOW = np.array([-(1 << (b - 1)) if s else 0 for b, s in _BITS_SIGNED], np.int64)
+_HIGH = np.array([(1 << (b - s)) - 1 for b, s in _BITS_SIGNED], np.int64)
+_MASK = np.array([(1 << b) - 1 for b, _ in _BITS_SIGNED], np.int64)
+NEW_DATA = 0x8000
+
+
+class Sampler:
+    """The newest sample as a function of time, which only rises."""
+
+    def __init__(self, world: TenDofWorld, error_ppb: int) -> None:
+        self.world = world
+        self._error_ppb = error_ppb
+        self.supply_v = 5.0
+        self.adc_v = 0.0
+        self.conversion = Conversion()
+        self.times: list[int] = []
+        self.image = b""
+        self.row = -1
+        """The newest sample in the block; −1: it lies before."""
+        self.held = bytes(STRIDE)
+        self.next_ns = FAR
+        """When the next sample comes."""
+        self.quiet = True
+        """No sample of the block raises a flag, and nobody sums."""
+        self.summing = False
+        self.total, self.count = np.zeros(3), 0
+        """Gyro outputs (°/s) summed up."""
+        self._clock: Oscillator | None = None
+        self._period = 0
+        self._tick = 0
+        self._raw: Floats = np.empty((0, 11))
+        self._before = 0
+        """Rows of `_raw` that lie before the block."""
+        self._flags: Integers = np.empty(0, np.int64)
+        self._rates: Floats = np.empty((0, 3))
+        self._held_rates = [0.0, 0.0, 0.0]
+
+    # -- control -----------------------------------------------------------------------------------
+
+    def start(self, first_ns: int, period_ticks: int) -> None:
+        """Sample from `first_ns` on. `period_ticks` 0: at `external` only."""
+        self._settle()
+        self._period = period_ticks
+        self._tick = 0
+        self._clock = Oscillator(CLOCK_HZ, first_ns, self._error_ppb) if period_ticks else None
+        self.next_ns = first_ns if period_ticks else FAR
+
+    def period_ns(self, period_ticks: int) -> int:
+        """Of the chip's own clock."""
+        return Oscillator(CLOCK_HZ, 0, self._error_ppb).instant(period_ticks)
+
+    def stop(self) -> None:
+        """No more samples; the newest still shows."""
+        self._settle()
+        self._clock, self.next_ns = None, FAR
+
+    def forget(self) -> None:
+        """Without supply the memory of the filter is lost."""
+        self.stop()
+        self._raw, self._before = np.empty((0, 11)), 0
+        self.held, self._held_rates = bytes(STRIDE), [0.0, 0.0, 0.0]
+
+    def convert(self, conversion: Conversion) -> None:
+        """Other settings from the next sample on."""
+        if conversion == self.conversion:
+            return
+        self.conversion = conversion
+        self.refresh()
+
+    def refresh(self) -> None:
+        """Make the samples to come anew, after supply or ADC input changed too."""
+        if self.times:
+            done = self.row + 1
+            old, flags, rates = self.image, self._flags, self._rates
+            self._convert()
+            self.image = old[: done * STRIDE] + self.image[done * STRIDE :]
+            self._flags[:done], self._rates[:done] = flags[:done], rates[:done]
+
+    def sum_up(self, on: bool) -> None:
+        """Begin or end to sum the gyros' outputs."""
+        self.summing = on
+        if on:
+            self.total, self.count = np.zeros(3), 0
+        self.quiet = not on and not self._flags.any()
+
+    # -- reading -----------------------------------------------------------------------------------
+
+    @property
+    def words(self) -> bytes:
+        """The newest sample as in a burst."""
+        return self.image[self.row * STRIDE : (self.row + 1) * STRIDE] if self.row >= 0 else self.held
+
+    def newest_rates(self) -> list[float]:
+        """Gyro outputs in °/s."""
+        return self._rates[self.row].tolist() if self.row >= 0 else self._held_rates
+
+    def advance(self, time_ns: int) -> int:
+        """Go on to a time; returns the DIAG_STAT flags that the samples on the way raised."""
+        flags = 0
+        while self.next_ns <= time_ns:
+            if self.row + 1 >= len(self.times):
+                self._load()
+            to = bisect_right(self.times, time_ns) - 1
+            if not self.quiet:
+                flags |= int(np.bitwise_or.reduce(self._flags[self.row + 1 : to + 1]))
+                if self.summing:
+                    self.total += self._rates[self.row + 1 : to + 1].sum(axis=0)
+                    self.count += to - self.row
+            self._move(to)
+        return flags
+
+    def external(self, time_ns: int) -> int:
+        """An edge of the external clock: one sample."""
+        self._settle()
+        self._take(np.array([time_ns], np.int64))
+        self._move(0)
+        if self.summing:
+            self.total += self._rates[0]
+            self.count += 1
+        return int(self._flags[0])
+
+    def _move(self, row: int) -> None:
+        self.row = row
+        if self._clock is None:
+            return
+        if row + 1 < len(self.times):
+            self.next_ns = self.times[row + 1]
+        else:
+            self.next_ns = self._clock.instant(self._tick)
+
+    # -- blocks ------------------------------------------------------------------------------------
+
+    def _settle(self) -> None:
+        """End the block with the newest sample."""
+        self._held_rates, self.held = self.newest_rates(), self.words
+        taken = self._before + self.row + 1
+        self._raw = self._raw[max(0, taken - MEMORY) : taken]
+        self._before = len(self._raw)
+        self.times, self.image, self.row = [], b"", -1
+        self._flags, self._rates = np.empty(0, np.int64), np.empty((0, 3))
+        self.quiet = not self.summing
+
+    def _load(self) -> None:
+        first = not self.times
+        self._settle()
+        clock = self._clock
+        assert clock is not None
+        period_ns = self._period * 1_000_000_000 // CLOCK_HZ
+        count = max(1, min(FIRST_BLOCK if first else BLOCK, LONGEST_NS // period_ns))
+        times = clock.grid(self._tick, self._period, count)
+        self._tick += count * self._period
+        self._take(times)
+
+    def _take(self, times: Integers) -> None:
+        values = np.asarray(self.world.sample(times, NOISE_BANDWIDTH_HZ), np.float64)
+        self._raw = np.concatenate((self._raw, values))
+        self.times = times.tolist()
+        self._convert()
+
+    def _convert(self) -> None:
+        """Image, flags and rates of the block from `_raw`."""
+        setting = self.conversion
+        back = max((alarm.samples for alarm in setting.alarms), default=0)
+        start = max(0, self._before - back - 2 * (setting.taps - 1))
+        raw = self._raw[start:]
+        before = self._before - start
+        filtered = raw.copy()
+        for column in (*range(6), 7, 8, 9):
+            filtered[:, column] = bartlett(raw[:, column], setting.taps)
+        rates, counts = self._counts(filtered)
+        words = (np.clip(counts, _LOW, _HIGH) & _MASK | NEW_DATA)[before:]
+        self.image = words.astype(">u2").tobytes()
+        self._rates = rates[before:]
+        flags = self._range_flags(raw[before:])
+        for alarm in setting.alarms:
+            source = counts if alarm.filtered else self._counts(raw)[1]
+            flags[raised(np.clip(source, _LOW, _HIGH)[:, alarm.column], alarm)[before:]] |= alarm.flag
+        self._flags = flags
+        self.quiet = not self.summing and not flags.any()
+
+    def _counts(self, values: Floats) -> tuple[Floats, Integers]:
+        """Gyro outputs in °/s, and all outputs as integers before clipping, in burst order."""
+        setting = self.conversion
+        n = len(values)
+        exact = np.empty((n, 14))
+        rates = np.degrees(values[:, RATE]) + np.array(setting.gyro_offset_dps)
+        rates += SELF_TEST_DPS * setting.deflection
+        force = values[:, FORCE] / STANDARD_GRAVITY + SELF_TEST_G * setting.deflection
+        pressure = np.clip(np.rint(values[:, PRESSURE] / PASCAL_PER_COUNT), 0.0, (1 << 22) - 1.0)
+        exact[:, 0] = self.supply_v / SUPPLY_V_PER_COUNT
+        exact[:, 1:4] = rates / (DPS_AT_300 * setting.gyro_range_dps / 300.0)
+        exact[:, 4:7] = force / G_PER_COUNT + np.array(setting.accel_offset)
+        field = values[:, FIELD] / TESLA_PER_COUNT
+        exact[:, 7:10] = field * np.array(setting.soft_iron) + np.array(setting.hard_iron)
+        exact[:, 10], exact[:, 11] = np.divmod(pressure, 256.0)
+        exact[:, 12] = (values[:, TEMPERATURE] - 25.0) / KELVIN_PER_COUNT
+        exact[:, 13] = self.adc_v / ADC_V_PER_COUNT
+        return rates, np.rint(np.clip(exact, -1e6, 1e6)).astype(np.int64)
+
+    def _range_flags(self, raw: Floats) -> Integers:
+        limit = np.radians(self.conversion.gyro_range_dps)
+        low, high = BARO_RANGE_PA
+        beyond = (np.abs(raw[:, RATE]) > limit).any(axis=1) | (np.abs(raw[:, FORCE]) > ACCEL_RANGE).any(
+            axis=1
+        )
+        beyond |= (np.abs(raw[:, FIELD]) > MAGN_RANGE_T).any(axis=1)
+        beyond |= (raw[:, PRESSURE] < low) | (raw[:, PRESSURE] > high)
+        flags = np.where(beyond, OVER_RANGE, 0)
+        if self.supply_v < SUPPLY_LIMITS_V[0]:
+            flags |= SUPPLY_LOW
+        if self.supply_v > SUPPLY_LIMITS_V[1]:
+            flags |= SUPPLY_HIGH
+        return flags
+
+
+def bartlett(values: Floats, taps: int) -> Floats:
+    """Two cascaded boxcar means. Before its first value the signal stood at it."""
+    if taps == 1 or not len(values):
+        return values
+    padded = np.concatenate((np.full(2 * (taps - 1), values[0]), values))
+    box = np.full(taps, 1.0 / taps)
+    return np.convolve(np.convolve(padded, box, "valid"), box, "valid")
+
+
+def raised(counts: Integers, alarm: AlarmSetting) -> NDArray[np.bool_]:
+    """At which samples an alarm's condition holds; a change is the mean one a sample."""
+    n = alarm.samples
+    if not n:
+        return counts > alarm.threshold if alarm.above else counts < alarm.threshold
+    held = np.zeros(len(counts), np.bool_)
+    change = counts[n:] - counts[:-n]
+    held[n:] = change > n * alarm.threshold if alarm.above else change < n * alarm.threshold
+    return held
