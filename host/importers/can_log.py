@@ -111,6 +111,10 @@ class _Log:
             with can.LogReader(self._file.path) as reader:
                 for number, message in enumerate(reader, start=1):  # noqa: B007 - told when it breaks off
                     yield message
+                whole = getattr(reader, "file_size", 0)
+            if whole > self._file.path.stat().st_size and not is_test:
+                case = (f"behind record {number}", f"it was {whole:,} bytes long")
+                self._task.findings.note(Kind.CUT_OFF, self._file.name, "", [case])
         except Exception as error:  # readers of damaged files raise whatever they stumble over
             if not is_test:
                 text = "what comes behind it cannot be read"
@@ -119,7 +123,7 @@ class _Log:
         meter(self._file.path.stat().st_size)
 
     def _candump(self, meter: Callable[[int], None], is_test: bool) -> Iterator[can.Message]:
-        with self._file.path.open(encoding="utf-8", errors="replace") as file:
+        with self._file.path.open(encoding="utf-8-sig", errors="replace") as file:
             first = 1
             while lines := file.readlines(LINES_AT_ONCE * 40):
                 text = "".join(lines)

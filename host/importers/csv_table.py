@@ -49,9 +49,15 @@ def read_csv(task: Task) -> Recording:
             f"{task.request.mapping}: base = {named}: clocks of a recording's"
             " own and of GPS or UTC cannot be put together; give all sections one of gps, unix, week"
         )
+    files = {name: _file_of(task, name, section) for name, section in mapping.sections.items()}
+    for file in task.request.files:
+        if file not in files.values():
+            raise UserError(
+                f"import csv: {file.name} is used by no section of {task.request.mapping};"
+                f" name it there, file = {file.name!r}, or leave it away"
+            )
     streams: list[Stream] = [
-        _stream(task, mapping, name, section, _file_of(task, name, section))
-        for name, section in mapping.sections.items()
+        _stream(task, mapping, name, section, files[name]) for name, section in mapping.sections.items()
     ]
     text = task.request.mapping.read_text(encoding="utf-8-sig")
     return Recording(streams, is_absolute="recording" not in bases, facts={"mapping": text})
@@ -97,8 +103,12 @@ class _Layout:
 
 def _layout(path: Path, mapping: Mapping) -> _Layout:
     with path.open(encoding="utf-8-sig", errors="replace") as file:
-        lines = [file.readline(1 << 14) for _ in range(mapping.skip_lines + 1)]
-        line = lines[-1]
+        for number in range(mapping.skip_lines):
+            if not file.readline(1 << 14):
+                raise UserError(f"{path}: skip_lines = {mapping.skip_lines}, but it has only {number} lines")
+        line = file.readline(1 << 14)
+        if not line:
+            raise UserError(f"{path}: it is empty" + (" behind skip_lines" if mapping.skip_lines else ""))
         skip = mapping.skip_lines + mapping.header
         while mapping.header and line and (not line.strip()):
             line, skip = file.readline(1 << 14), skip + 1

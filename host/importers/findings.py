@@ -17,6 +17,7 @@ class Kind(StrEnum):
     JUMP = "time jump"
     DUPLICATE = "duplicate"
     GAP = "gap"
+    APART = "no time in common"
     NOT_FINITE = "not a finite number"
     IMPLAUSIBLE = "implausible value"
     STUCK = "stuck channel"

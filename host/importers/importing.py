@@ -15,7 +15,8 @@ from host.capture.topics import IMPORT_FORMAT
 from host.importers.findings import Findings
 from host.importers.import_writer import ImportWriter
 from host.importers.inspection import Inspection
-from host.importers.kinds import KINDS
+from host.importers.kinds import KINDS, OPTIONS
+from host.importers.overlap import Overlap
 from host.importers.request import ImportRequest, ImportResult, Recording, Task
 from host.importers.series import Portion, Rows, Series, Stream
 from host.importers.time_base import NS, leap_seconds_at, unix_from_gps, utc_text
@@ -31,6 +32,7 @@ def import_recording(request: ImportRequest) -> ImportResult:
     """Import. Raises UserError for whatever the user can mend; then nothing is left behind."""
     if request.kind not in KINDS:
         raise UserError(f"import {request.kind}: no such kind; {did_you_mean(request.kind, KINDS)}")
+    _check_options(request)
     _check_paths(request)
     begin = time.perf_counter()
     findings, units = Findings(), Units(request.units)
@@ -38,7 +40,7 @@ def import_recording(request: ImportRequest) -> ImportResult:
     recording = KINDS[request.kind](task)
     units.check_used(request.kind)
     accuracy = _accuracy(request.accuracy)
-    turns = TurnCheck(findings)
+    turns, overlap = TurnCheck(findings), Overlap(findings)
     checked = [_Checked(stream, findings) for stream in recording.streams]
     waiting = [(portion.first_ns, i, portion) for i, one in enumerate(checked) if (portion := one.next())]
     if not waiting:
@@ -54,11 +56,12 @@ def import_recording(request: ImportRequest) -> ImportResult:
             _write(writer, portion, accuracy)
             if isinstance(portion, Rows):
                 turns.take(portion)
+                overlap.take(portion)
             following = checked[i].next()
             if following is not None:
                 heapq.heappush(waiting, (following.first_ns, i, following))
         turns.finish()
-        uses = _uses(writer.counts)
+        uses = _uses(writer.counts, overlap.finish())
         for line in findings.lines():
             writer.event("import", line)
         left_out = sum(one.left_out for one in checked)
@@ -158,6 +161,16 @@ def _accuracy(text: str | None) -> list[float] | None:
     return values
 
 
+def _check_options(request: ImportRequest) -> None:
+    for name, kinds in OPTIONS.items():
+        if getattr(request, name) is not None and request.kind not in kinds:
+            option = {"mapping": "map", "geoid_separation_m": "geoid-separation"}.get(name, name)
+            raise UserError(
+                f"--{option.replace('_', '-')} means nothing to import {request.kind}, only to"
+                f" {', '.join(kinds)}; leave it away"
+            )
+
+
 def _check_paths(request: ImportRequest) -> None:
     for path in (*(file.path for file in request.files), request.mapping, request.dbc):
         if path is None:
@@ -205,10 +218,12 @@ def _manifest(request: ImportRequest, recording: Recording, origin_ns: int) -> d
     }
 
 
-def _uses(counts: dict[str, int]) -> list[str]:
+def _uses(counts: dict[str, int], is_apart: bool) -> list[str]:
     inertial = any(topic.startswith("/imu/") for topic in counts)
     uses = ["capture info, check, cut, export"]
-    if inertial and "/gnss" in counts:
+    if is_apart:
+        uses.append("no physical replay: its streams have no time in common")
+    elif inertial and "/gnss" in counts:
         uses.append("physical replay: navtwin replay CAPTURE --board car_mems --mode physical")
     elif inertial:
         uses.append("no physical replay: there is no receiver in it")

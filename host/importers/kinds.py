@@ -26,6 +26,16 @@ KINDS: dict[str, Reader] = {
     "comma2k19": _late("comma2k19_arrays", "read_comma2k19"),
     "broad": _late("broad_arrays", "read_broad"),
 }
+OPTIONS = {
+    "mapping": ("csv",),
+    "dbc": ("can",),
+    "week": ("kf-gins",),
+    "date": ("nmea", "ubx"),
+    "geoid_separation_m": ("nmea", "ubx"),
+    "leap_seconds": ("ubx", "nmea", "can", "kf-gins", "csv", "comma2k19"),
+    "accuracy": ("ubx", "nmea", "kf-gins", "csv", "comma2k19"),
+}
+"""Fields of a request that only some kinds heed."""
 WHAT = {
     "ubx": "u-blox log: UBX, with NMEA in between",
     "nmea": "log of NMEA sentences",

@@ -38,12 +38,20 @@ class LogRows:
             self.stamp(self._last_ns)
 
     def stamp(self, time_ns: int) -> None:
-        """All bytes so far belong to this epoch."""
-        time_ns = time_ns if self._last_ns is None else max(time_ns, self._last_ns)
+        """All bytes so far belong to this epoch. Records rise; one that leapt ahead comes down."""
+        if self._leapt_ahead(time_ns):
+            self._records[-1] = time_ns, self._records[-1][1]
+        elif self._last_ns is not None:
+            time_ns = max(time_ns, self._last_ns)
         self._last_ns = time_ns
         if self._bytes:
             self._records.append((time_ns, _uart_record(bytes(self._bytes))))
             self._bytes.clear()
+
+    def _leapt_ahead(self, time_ns: int) -> bool:
+        """Whether the last record alone lies behind this time."""
+        times = [t_ns for t_ns, _ in self._records[-2:]]
+        return bool(times) and times[-1] > time_ns and (len(times) == 1 or times[0] <= time_ns)
 
     def drain(self, is_last: bool = False) -> Iterator[Portion]:
         """What has come together; all of it at the end."""

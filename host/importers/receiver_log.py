@@ -71,6 +71,7 @@ class _Log:
         self._rows = LogRows()
         self._calendar = Calendar(day, request.leap_seconds)
         self._in_line = not is_binary
+        self._is_cut_off = False
         place = in_line if self._in_line else at_byte
         findings = task.findings
         self._nmea = NmeaEpochs(
@@ -113,10 +114,20 @@ class _Log:
             name = "UBX" if frame.data[:1] == b"\xb5" else "NMEA"
             shown = frame.data.hex(" ")[:24] if name == "UBX" else repr(frame.data[:40])[2:-1]
             self._note(Kind.CHECKSUM, name, frame, shown, "not decoded; its bytes are kept")
+        elif frame.piece is Piece.OTHER:
+            self._tell_other(frame)
         elif frame.piece is Piece.CUT_OFF:
+            self._is_cut_off = True
             self._note(
                 Kind.CUT_OFF, "", frame, "the file ends inside a frame or sentence", "its bytes are kept"
             )
+
+    def _tell_other(self, frame: Frame) -> None:
+        size = len(frame.data.strip())
+        if size and not frame.data.startswith(b"#") and not self._is_cut_off:
+            case = (self._where(frame), repr(frame.data.strip()[:20])[2:-1])
+            text = "of no frame or sentence; kept"
+            self._task.findings.note(Kind.NOTE, self._file.name, "bytes", [case], size, text)
 
     def _take_ubx(self, frame: Frame) -> None:
         kind = frame.data[2], frame.data[3]
@@ -138,5 +149,7 @@ class _Log:
             self._note(Kind.UNREADABLE, "NMEA", frame, str(error)[:80], "its bytes are kept")
 
     def _note(self, kind: Kind, channel: str, frame: Frame, value: str, text: str) -> None:
-        where = f"line {frame.line}, byte {frame.offset}" if self._in_line else at_byte(frame.offset)
-        self._task.findings.note(kind, self._file.name, channel, [(where, value)], text=text)
+        self._task.findings.note(kind, self._file.name, channel, [(self._where(frame), value)], text=text)
+
+    def _where(self, frame: Frame) -> str:
+        return f"line {frame.line}, byte {frame.offset}" if self._in_line else at_byte(frame.offset)

@@ -47,8 +47,9 @@ def gps_from_unix(unix_ns: Integers, leap_seconds: int | None = None) -> Integer
 def unix_from_gps(gps_ns: int, leap_seconds: int | None = None) -> int:
     """Unix time in ns of a GPS time in ns."""
     plain = gps_ns + GPS_EPOCH_UNIX_S * NS
-    leaps = leap_seconds_at(plain) if leap_seconds is None else leap_seconds
-    return plain - leaps * NS
+    if leap_seconds is None:
+        leap_seconds = leap_seconds_at(plain - leap_seconds_at(plain) * NS)
+    return plain - leap_seconds * NS
 
 
 def utc_text(gps_ns: int, leap_seconds: int | None = None) -> str:

@@ -30,7 +30,7 @@ BELIEVED, DISBELIEVED = 0.9, 0.3
 
 
 class TurnCheck:
-    """Follows the first inertial series and the courses."""
+    """Follows the first inertial series, and the first one that tells a course."""
 
     def __init__(self, findings: Findings) -> None:
         self._findings = findings
@@ -51,7 +51,6 @@ class TurnCheck:
                 self._imu, self._place = rows.series, int(rows.places[0])
             self._integrate(rows)
         elif columns >= set(VELOCITY) and self._course in (None, rows.series):
-            self._course = rows.series
             self._follow(rows)
 
     def finish(self) -> None:
@@ -112,6 +111,8 @@ class TurnCheck:
     def _follow(self, rows: Rows) -> None:
         north, east, _ = rows.values[:, rows.series.columns(*VELOCITY)].T
         fast = np.hypot(north, east) > LEAST_SPEED_MPS
+        if fast.any():
+            self._course = rows.series
         courses = np.degrees(np.arctan2(east, north))
         for t, course in zip((rows.times_ns[fast] / NS).tolist(), courses[fast].tolist(), strict=True):
             if not self._courses or t - self._courses[-2] >= EACH_S:
