@@ -18,6 +18,10 @@ from hal.emulated.spi import Bytes, EmulatedSpiDevice, SpiSlave
 from hal.emulated.uart_wire import UartWire
 from hal.emulated.virtual_time import FAR, VirtualTime
 
+FASTEST_BAUD = 100_000_000
+LONGEST_GARBAGE = 10_000_000
+"""Bytes; a quarter of an hour at 115,200 baud."""
+
 
 class Fault:
     """Base of all faults."""
@@ -283,8 +287,8 @@ class UartWrongBaud(UartFault):
 
     def __init__(self, start_ns: int, end_ns: int, baud: int) -> None:
         super().__init__(start_ns, end_ns)
-        if baud <= 0:
-            raise ValueError(f"wrong baud rate {baud}; it must be positive, e.g. 38400")
+        if not 0 < baud <= FASTEST_BAUD:
+            raise ValueError(f"wrong baud rate {baud}; it must lie in 1 … {FASTEST_BAUD}, e.g. 38400")
         self.forced_baud = baud
 
     def install(self, wire: UartWire) -> None:
@@ -317,8 +321,8 @@ class UartGarbage(UartFault):
 
     def __init__(self, start_ns: int, length: int, seed: int, name: str) -> None:
         super().__init__(start_ns)
-        if length <= 0:
-            raise ValueError(f"garbage of {length} bytes; it must be at least 1")
+        if not 0 < length <= LONGEST_GARBAGE:
+            raise ValueError(f"garbage of {length} bytes; there may be 1 … {LONGEST_GARBAGE}, e.g. 500")
         self._length = length
         self._random = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, *name.encode()])))
 

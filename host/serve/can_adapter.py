@@ -24,6 +24,8 @@ from host.serve.places import CanPlace
 
 QUEUE_FRAMES = 2048
 RECEIVE_S = 0.1
+ERRORS_IN_A_ROW = 20
+"""Single ones are what somebody else sent; so many without a frame between them: the interface is gone."""
 MULTICAST = "udp_multicast"
 EXAMPLE = f"{MULTICAST}:239.74.163.2"
 
@@ -39,7 +41,7 @@ class CanAdapter:
         self.lost = 0
         """Frames that the driver did not take in time or refused."""
         self.foreign = 0
-        """What came and is no classic data frame."""
+        """What came and is no classic data frame, or no frame at all."""
         self.overrun = 0
         """Frames that came faster than the run took them."""
         self._terms = terms
@@ -114,25 +116,28 @@ class CanAdapter:
                 told = True
 
     def _receive_all(self) -> None:
-        told = False
+        errors = 0
         while not self._ended.is_set():
             try:
                 message = self._bus.recv(RECEIVE_S)
-                told = False
+                errors = 0
             except self._errors as error:
-                if not told:
+                errors += 1
+                self.foreign += 1
+                if errors == ERRORS_IN_A_ROW:
                     self._failed = f"CAN {self.where}: nothing can be received: {error}"
-                told = True
-                self._ended.wait(RECEIVE_S)
+                if errors >= ERRORS_IN_A_ROW:
+                    self._ended.wait(RECEIVE_S)
                 continue
             if message is None or (self._mark is not None and message.channel == self._mark):
                 continue
-            if message.is_fd or message.is_remote_frame or message.is_error_frame:
+            classic = not (message.is_fd or message.is_remote_frame or message.is_error_frame)
+            if not classic or not isinstance(message.arbitration_id, int):  # multicast carries anything
                 self.foreign += 1
             elif len(self._in) >= QUEUE_FRAMES:
                 self.overrun += 1
             else:
-                frame = CanFrame(message.arbitration_id, bytes(message.data), message.is_extended_id)
+                frame = CanFrame(message.arbitration_id, bytes(message.data), bool(message.is_extended_id))
                 self._in.append(frame)
 
 

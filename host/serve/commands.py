@@ -26,6 +26,8 @@ from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.schema import Fault
 
 Reply = dict[str, Any]
+DEEPEST = 8
+"""Levels of lists and objects in a command."""
 POSITION = {"latitude_deg": (-89.0, 89.0), "longitude_deg": (-180.0, 180.0), "height_m": (-1000.0, 1e5)}
 FAULT_KEYS = ("kind", "target", "duration_s", "name", "parameters")
 
@@ -64,6 +66,9 @@ class Commands:
 
     def do(self, asked: Any) -> Reply:
         """Do it; the reply is made for JSON."""
+        if _is_deeper(asked, DEEPEST):
+            told = f"a command holds at most {DEEPEST} levels of lists and objects"
+            return {"ok": False, "error": told, "example": example_of(None)}
         name = asked.get("command") if isinstance(asked, dict) else None
         tag = {"id": asked["id"]} if isinstance(asked, dict) and "id" in asked else {}
         try:
@@ -195,6 +200,14 @@ def example_of(name: Any) -> dict[str, Any]:
     """A valid command, of that name if there is one."""
     known = name if isinstance(name, str) and name in EXAMPLES else "pause"
     return {"command": known, **EXAMPLES[known]}
+
+
+def _is_deeper(value: Any, levels: int) -> bool:
+    """Whether there are more levels of lists and objects."""
+    if not isinstance(value, dict | list):
+        return False
+    inner = value.values() if isinstance(value, dict) else value
+    return not levels or any(_is_deeper(one, levels - 1) for one in inner)
 
 
 def _number(asked: Mapping[str, Any], key: str, low: float, high: float) -> float:

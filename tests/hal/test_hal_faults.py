@@ -303,7 +303,9 @@ def test_can_disturbance_counts_what_it_broke() -> None:
         (lambda: SpiRegisterOverride(0, 1, 0x80, 0), "override of register 0x80 by 0x0"),
         (lambda: UartTruncation(0, 1, -1), "keeps -1 bytes"),
         (lambda: UartWrongBaud(0, 1, 0), "wrong baud rate 0"),
+        (lambda: UartWrongBaud(0, 1, 10**12), "it must lie in 1 … 100000000"),
         (lambda: UartGarbage(0, 0, 1, "x"), "garbage of 0 bytes"),
+        (lambda: UartGarbage(0, 10**30, 1, "x"), "there may be 1 … 10000000"),
     ],
 )
 def test_impossible_faults_are_refused(make: "type[Fault]", message: str) -> None:

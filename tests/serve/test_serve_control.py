@@ -35,6 +35,27 @@ MISTAKES = (
         "must lie in 0",
     ),
     (b'{"command": "clear", "name": "nothing"}', "there is no fault 'nothing'; none has been injected"),
+    (b'{"command": "status", "id": ' + b"[" * 480 + b"]" * 480 + b"}", "at most 8 levels"),
+    (b'{"command": "pace", "pace": ' + b'{"a":' * 480 + b"1" + b"}" * 481, "at most 8 levels"),
+    (b'{"command":"inject","kind":"uart-garbage","target":"gnss","parameters":{"length":1e30}}', "length"),
+    (
+        b'{"command":"inject","kind":"uart-garbage","target":"gnss","parameters":{"length":1%s}}'
+        % (b"0" * 18),
+        "there may be 1",
+    ),
+    (
+        b'{"command":"inject","kind":"uart-wrong-baud","target":"gnss","parameters":{"baud":1%s}}'
+        % (b"0" * 12),
+        "must lie in 1",
+    ),
+    (
+        b'{"command":"inject","kind":"gnss-time-jump","target":"U3","parameters":{"offset_s":1e300}}',
+        "lies outside -1e+09",
+    ),
+    (
+        b'{"command":"inject","kind":"gnss-position-jump","target":"U3","parameters":{"down_m":-1e300}}',
+        "lies outside -1e+09",
+    ),
     (b"{]", "no JSON"),
 )
 

@@ -15,6 +15,7 @@ import threading
 import time
 import tty
 
+import can
 import pytest
 from served_board import ServedHere
 
@@ -125,6 +126,28 @@ def test_a_can_logger_in_another_process_hears_the_board_and_is_heard():
     assert 0.9 * can["frames_sent"] < len(boards_own) <= can["frames_sent"]  # and may lose some
     can1 = next(bus for bus in result["buses"] if bus["name"] == "can1")
     assert can1["transactions"] == can["frames_sent"] + 2
+
+
+def test_datagrams_that_are_no_can_frames_are_counted_and_keep_no_frame_away():
+    msgpack = pytest.importorskip("msgpack")
+    place = ("239.74.163.78", 43113)
+    half_a_frame = msgpack.packb({"arbitration_id": 100.5, "is_extended_id": False, "data": b"\1", "dlc": 1})
+    junk = (b"", b"\x00", b"junk" * 20, msgpack.packb({"no": "frame"}), half_a_frame)
+    with (
+        ServedHere(None, duration_s=1e6, pace=10.0, cans=(f"can1=udp_multicast:{place[0]}",)) as board,
+        can.Bus(interface="udp_multicast", channel=place[0], fd=False) as bus,
+        socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger,
+    ):
+        board.control.ask("resume")
+        for k in range(100):
+            stranger.sendto(junk[k % len(junk)], place)
+            bus.send(can.Message(arbitration_id=k, is_extended_id=False, data=[k]))
+            time.sleep(0.005)
+        board.control.until(board.control.ask("status")["time_s"] + 10.0)
+        board.control.ask("stop")
+        (line,) = board.ended()["serve"]["can"]
+    assert line["frames_written"] == 100
+    assert line["foreign"] == 100
 
 
 def test_a_serial_can_adapter_carries_frames_both_ways():

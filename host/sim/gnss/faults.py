@@ -17,6 +17,8 @@ from host.sim.scenario.schema import Fault
 TIME_JUMP = "gnss-time-jump"
 POSITION_JUMP = "gnss-position-jump"
 GNSS_FAULT_KINDS = (TIME_JUMP, POSITION_JUMP)
+MOST = 1e9
+"""Of any parameter: 30 years, or seven times round the equator and more."""
 _PARAMETERS = {TIME_JUMP: ("offset_s",), POSITION_JUMP: ("north_m", "east_m", "down_m")}
 
 
@@ -40,6 +42,11 @@ def _glitch(fault: Fault, end_ns: int) -> Glitch:
             known = ", ".join(f"{k} = 50.0" for k in values)
             raise ScenarioError(
                 f"fault {name!r}: parameters.{key} = {value!r} is no number known here; for example {known}"
+            )
+        if not -MOST <= value <= MOST:
+            raise ScenarioError(
+                f"fault {name!r}: parameters.{key} = {value!r} lies outside {-MOST:g} … {MOST:g};"
+                f" for example {key} = 50.0"
             )
         values[key] = float(value)
     if not any(values.values()):
