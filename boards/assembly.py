@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from importlib import import_module
 from typing import Any, Protocol
 
-from boards.chips.world import CompassWorld, GnssWorld, ImuWorld
+from boards.chips.world import CompassWorld, GnssWorld, ImuWorld, TenDofWorld
 from boards.description import Board, Chip, Processor
 from boards.machine import Machine
 from boards.validation import DescriptionError
@@ -44,6 +44,10 @@ class Surroundings(Protocol):
 
     def compass(self, refdes: str, chip: Chip) -> CompassWorld:
         """What the compass `refdes` feels."""
+        ...
+
+    def ten_dof(self, refdes: str, chip: Chip) -> TenDofWorld:
+        """What the sensor `refdes` of rate, force, magnetic field and pressure feels."""
         ...
 
     def log_sink(self, name: str) -> Callable[[bytes], None]:
@@ -202,9 +206,24 @@ def _connect_to_bus(board: AssembledBoard, refdes: str, chip: Chip, placed: Any)
     assert chip.bus is not None
     name = chip.name or refdes
     if chip.bus in board.spi_buses:
-        board.spi_devices[name] = board.spi_buses[chip.bus].device(placed, name)
+        bus = board.spi_buses[chip.bus]
+        board.spi_devices[name] = bus.device(placed, name, _spi_timing(chip, bus.timing))
     else:
         board.i2c_buses[chip.bus].attach(placed.i2c.address, placed.i2c)
+
+
+def _spi_timing(chip: Chip, bus: SpiTiming) -> SpiTiming:
+    """How the controller clocks this chip."""
+    words = chip.spi
+    if words is None:
+        return bus
+    return SpiTiming(
+        words.clock_hz or bus.frequency_hz,
+        words.bits_per_word,
+        words.stall_ns,
+        words.stall_clocks,
+        high_ns=words.high_ns,
+    )
 
 
 def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings) -> BoardIo:

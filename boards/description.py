@@ -59,6 +59,17 @@ class Bus(Owned):
     mode: int = Field(default=3, ge=0, le=3, examples=[3])
 
 
+class SpiWords(Facts):
+    """How the controller clocks one chip on an SPI bus: pauses between words and between transactions."""
+
+    clock_hz: int | None = Field(default=None, ge=1_000, le=200_000_000, examples=[1_000_000])
+    """Else that of the bus."""
+    bits_per_word: Literal[8, 16, 32] = 8
+    stall_ns: int = Field(default=0, ge=0, le=1_000_000, examples=[9_000])
+    stall_clocks: int = Field(default=0, ge=0, le=1_000, examples=[1])
+    high_ns: int = Field(default=0, ge=0, le=1_000_000, examples=[9_000])
+
+
 class Chip(Facts):
     """One chip by reference designator: model, connection, mounting and position on the vehicle."""
 
@@ -67,12 +78,13 @@ class Chip(Facts):
     bus: str | None = None
     uart: str | None = None
     name: str | None = None
-    world: Literal["imu", "gnss", "compass"]
+    world: Literal["imu", "gnss", "compass", "ten_dof"]
     errors: str | None = None
     mounting: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     lever_arm_m: Vector3 = (0.0, 0.0, 0.0)
     pins: dict[str, str] = {}
     supply: str | None = None
+    spi: SpiWords | None = None
     parameters: dict[str, Any] = {}
 
     @model_validator(mode="after")

@@ -95,8 +95,15 @@ class EmulatedSpiBus:
     def device(
         self, slave: SpiSlave, name: str = "device", timing: SpiTiming | None = None
     ) -> EmulatedSpiDevice:
-        """A further chip select with `slave` behind it, clocked as the bus unless `timing` says otherwise."""
-        return EmulatedSpiDevice(self, slave, name, timing or self.timing)
+        """A further chip select with `slave` behind it, clocked as the bus unless `timing` says otherwise.
+
+        A slave that has `clocked_at(frequency_hz)` is told its clock.
+        """
+        timing = timing or self.timing
+        told = getattr(slave, "clocked_at", None)
+        if told is not None:
+            told(timing.frequency_hz)
+        return EmulatedSpiDevice(self, slave, name, timing)
 
     def _reset(self) -> None:
         """The controller drops what it was doing; the chip has seen the transaction all the same."""

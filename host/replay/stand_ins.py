@@ -238,6 +238,10 @@ class Recorded:
         """The tape of a chip."""
         return self._tape(refdes, chip)
 
+    def ten_dof(self, refdes: str, chip: Any) -> Any:
+        """The tape of a chip."""
+        return self._tape(refdes, chip)
+
     def log_sink(self, _name: str) -> Any:
         """Nowhere: the log is made of what is compared already."""
         return _drop

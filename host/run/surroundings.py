@@ -11,7 +11,7 @@ from typing import BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from boards.chips.world import CompassWorld, GnssEpoch, GnssWorld, ImuWorld
+from boards.chips.world import CompassWorld, GnssEpoch, GnssWorld, ImuWorld, TenDofWorld
 from boards.description import Chip
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.gnss.schedule import Glitch
@@ -87,6 +87,11 @@ class Surroundings:
     def compass(self, refdes: str, chip: Chip) -> CompassWorld:
         """Force and magnetic field of one compass."""
         return self.world.compass(refdes, np.array(chip.mounting))
+
+    def ten_dof(self, refdes: str, chip: Chip) -> TenDofWorld:
+        """Motion, field and pressure of one chip that feels them all."""
+        lever = np.array(chip.lever_arm_m)
+        return self.world.ten_dof(refdes, np.array(chip.mounting), lever, chip.errors)
 
     def log_sink(self, name: str) -> Callable[[bytes], None]:
         """A file of that name in the output folder, or nowhere when there is none."""

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from boards.chips.world import CompassWorld, GnssWorld, ImuWorld
+from boards.chips.world import CompassWorld, GnssWorld, ImuWorld, TenDofWorld
 from host.sim.compass import FeltCompass
 from host.sim.gnss.faults import glitches_of
 from host.sim.gnss.glitched import GlitchedReceiver
@@ -16,6 +16,7 @@ from host.sim.gnss.schedule import Window
 from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.schema import Scenario
 from host.sim.simulated import SimulatedVehicle
+from host.sim.ten_dof import FeltTenDof
 from host.sim.truth import TruthBatch
 
 Array = NDArray[np.float64]
@@ -98,6 +99,18 @@ class World:
         """The world of the compass `name` at the vehicle's origin; `mounting` as for `imu`."""
         rotation = np.eye(3) if mounting is None else np.asarray(mounting, dtype=np.float64)
         return FeltCompass(self.truth, rotation, self.seed, name)
+
+    def ten_dof(
+        self,
+        name: str,
+        mounting: Array | None = None,
+        lever_arm: Array | None = None,
+        preset: str | None = None,
+    ) -> TenDofWorld:
+        """The world of a sensor of rate, force, magnetic field and pressure; arguments as for `imu`."""
+        rotation = np.eye(3) if mounting is None else np.asarray(mounting, dtype=np.float64)
+        imu = self.imu(name, rotation, lever_arm, preset)
+        return FeltTenDof(imu, self.truth, rotation, self.seed, name, perfect=preset == "perfect")
 
     def put_down(self, time_ns: int, latitude: float, longitude: float, height: float) -> None:
         """From `time_ns` on the standing vehicle stands there (rad, m). Raises ScenarioError if it moves."""
