@@ -28,6 +28,7 @@ from host.cli.serve_command import EPILOG as SERVE_EPILOG
 from host.cli.serve_command import serve_command
 from host.cli.simulate_command import simulate_command
 from host.cli.sweep_command import sweep_command
+from host.cli.waves_command import waves_command
 
 EXAMPLES = (
     ("navtwin boards", "what there is to run"),
@@ -174,6 +175,7 @@ app.add_typer(attach_app, name="attach")
 app.command("import")(import_command)
 app.command("replay")(replay_command)
 app.command("diff")(diff_command)
+app.command("waves")(waves_command)
 app.command("serve", epilog=SERVE_EPILOG)(serve_command)
 app.command("monitor")(monitor_command)
 app.command("simulate")(simulate_command)

@@ -1,0 +1,54 @@
+"""What `navtwin waves` does and prints."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+from host.capture.places import capture_path
+from host.cli.exit_codes import EXIT_MET
+from host.cli.terminal import progress_bar
+from host.record.atomic import write_whole
+from host.waves.drawing import WavesRequest, draw
+
+STANDARD_OUTPUT = "-"
+
+
+def make_waves(request: WavesRequest, json_target: str | None, quiet: bool) -> int:
+    """Draw, and tell what was drawn."""
+    request = dataclasses.replace(request, capture=capture_path(request.capture))
+    with progress_bar("waves", quiet) as progress:
+        facts = draw(request, progress)
+    if json_target is not None:
+        text = json.dumps(facts, indent=1) + "\n"
+        if json_target == STANDARD_OUTPUT:
+            print(text, end="")
+        else:
+            write_whole(Path(json_target), text, "--json")
+    if json_target != STANDARD_OUTPUT and not quiet:
+        _tell(facts)
+    for warning in _warnings(request, facts):
+        print(f"navtwin: {warning}", file=sys.stderr)
+    return EXIT_MET
+
+
+def _tell(facts: dict[str, Any]) -> None:
+    stretch = f"{facts['from_s']:.9g} to {facts['to_s']:.9g} s"
+    print(f"{facts['file']}: {stretch}, {facts['changes']:,} edges, {facts['bytes']:,} bytes")
+    for bus in facts["buses"]:
+        print(f"  {bus['name']:<8} {bus['kind']:<5} {bus['units']:>10,}  {' '.join(bus['lines'])}")
+
+
+def _warnings(request: WavesRequest, facts: dict[str, Any]) -> list[str]:
+    told = []
+    if request.to_s is not None and request.to_s > facts["to_s"]:
+        told.append(f"--to {request.to_s:g}: the recording ends at {facts['recorded_s']:.9g} s")
+    told += [
+        f"{bus['name']}: {bus['cut_short']:,} times traffic began before the one before it had ended"
+        for bus in facts["buses"]
+        if bus["cut_short"]
+    ]
+    return told

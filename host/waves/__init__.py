@@ -1,0 +1,1 @@
+"""Line levels of buses, rebuilt from captures."""
