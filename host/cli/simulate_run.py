@@ -19,6 +19,7 @@ from host.record.errors import UserError
 from host.report.numbers import number
 from host.sim.scenario.load import load_scenario
 from host.sim.seeding import LARGEST_SEED
+from host.simulate.extras import must_have
 from host.simulate.formats.known import Format, chosen
 from host.simulate.job import Simulated, simulate
 from host.simulate.stream import Convention, Drive, Request, warm_up
@@ -31,14 +32,23 @@ MOST_STEPS_TOLD = 1000
 
 
 @dataclass(frozen=True, slots=True)
+class Rates:
+    """Those words that are rates in Hz."""
+
+    imu: str
+    gnss: str
+    magnetometer: str
+    barometer: str
+
+
+@dataclass(frozen=True, slots=True)
 class Asked:
     """The words of the command line."""
 
     scenario: str
     output: Path | None
     form: str | None
-    rate: str
-    gnss_rate: str
+    rates: Rates
     samples: str | None
     antenna: str
     seed: int
@@ -88,13 +98,19 @@ def _request(asked: Asked, form: Format | None) -> Request:
         )
     if not 0 <= asked.seed <= LARGEST_SEED:
         raise UserError(f"--seed {asked.seed}: must lie in 0 … {LARGEST_SEED}; for example --seed 1")
+    magnetometer_hz = rate_of("--mag-rate", asked.rates.magnetometer, least=Fraction(0))
+    barometer_hz = rate_of("--baro-rate", asked.rates.barometer, least=Fraction(0))
+    if magnetometer_hz:
+        must_have("pygeomag", "--mag-rate")
     return Request(
         scenario=scenario,
         seed=asked.seed,
-        rate_hz=rate_of("--rate", asked.rate, least=SLOWEST_HZ),
-        gnss_rate_hz=rate_of("--gnss-rate", asked.gnss_rate, least=Fraction(0)),
+        rate_hz=rate_of("--rate", asked.rates.imu, least=SLOWEST_HZ),
+        gnss_rate_hz=rate_of("--gnss-rate", asked.rates.gnss, least=Fraction(0)),
         convention=convention_of(asked.samples, form),
         antenna_m=_lever(asked.antenna),
+        magnetometer_hz=magnetometer_hz,
+        barometer_hz=barometer_hz,
     )
 
 
@@ -146,6 +162,8 @@ def _about(asked: Asked, request: Request, drive: Drive) -> dict[str, Any]:
         "samples_are": str(request.convention),
         "rate_hz": float(request.rate_hz),
         "gnss_rate_hz": float(request.gnss_rate_hz),
+        "magnetometer_rate_hz": float(request.magnetometer_hz),
+        "barometer_rate_hz": float(request.barometer_hz),
         "antenna_m": list(request.antenna_m),
         "start_utc": request.scenario.start.utc,
         "samples": drive.samples,

@@ -32,6 +32,7 @@ from host.sim.mechanization import (
     invert,
 )
 from host.sim.trajectory.kinematics import C_NB, FORCE, OMEGA_IB, ROW
+from host.simulate.ambient import Ambient
 from host.simulate.flyable import Flyable
 from host.simulate.formats.known import Format
 from host.simulate.instants import NS, count_within, instants
@@ -54,6 +55,7 @@ class Inverse:
     convention: Convention
     start_gps_ns: int
     epochs: int = 0
+    ambients: tuple[Ambient, ...] = ()
 
     @property
     def duration_ns(self) -> int:

@@ -10,6 +10,7 @@ from typing import Any
 
 from boards.chips.world import GnssEpoch
 from host.simulate.formats.known import Format
+from host.simulate.formats.writer import Writer
 from host.simulate.part_files import PartFiles
 from host.simulate.rows import gnss_rows
 from host.simulate.stream import NS, Drive
@@ -46,6 +47,7 @@ def simulate(
         epochs = drive.receiver_epochs()
         waiting = next(epochs, None)
         samples = 0
+        told_ns = -1
         for block in drive.blocks():
             samples += len(block.times_ns)
             end_ns = int(block.times_ns[-1])
@@ -54,15 +56,25 @@ def simulate(
                 writer.add_block(block)
                 if due:
                     writer.add_gnss(gnss_rows(due))
+                _add_ambients(drive, writer, told_ns, end_ns)
+            told_ns = end_ns
             if progress is not None:
                 progress(end_ns / NS, drive.duration_ns / NS)
         rest, _ = _until(drive.duration_ns, waiting, epochs)
         if writer is not None:
             if rest:
                 writer.add_gnss(gnss_rows(rest))
+            _add_ambients(drive, writer, told_ns, drive.duration_ns)
             writer.finish()
     wall_s = time.perf_counter() - begin
     return Simulated(samples, drive.epochs, drive.duration_ns / NS, wall_s, tuple(files.paths))
+
+
+def _add_ambients(drive: Drive, writer: Writer, after_ns: int, end_ns: int) -> None:
+    for ambient in drive.ambients:
+        rows = drive.ambient_rows(ambient, after_ns, end_ns)
+        if len(rows):
+            writer.add_ambient(ambient.sensor.name, rows)
 
 
 def _until(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
+from host.simulate.ambient import Ambient
 from host.simulate.stream import Convention
 
 
@@ -23,6 +24,11 @@ class Source(Protocol):
     @property
     def epochs(self) -> int:
         """How many of a receiver."""
+        ...
+
+    @property
+    def ambients(self) -> tuple[Ambient, ...]:
+        """Magnetometer and barometer, where there are."""
         ...
 
     @property

@@ -21,7 +21,9 @@ from host.sim.scenario.schema import Scenario
 from host.sim.simulated import SimulatedVehicle
 from host.sim.trajectory.joints import Joints, examine
 from host.sim.trajectory.kinematics import FORCE, OMEGA_DOT, OMEGA_IB
+from host.simulate.ambient import Ambient, Barometer, Magnetometer
 from host.simulate.instants import NS, count_within, instants
+from host.simulate.magnetic_field import MagneticField
 
 BLOCK = 4096
 """Samples at a time: little enough for the processor's cache."""
@@ -62,6 +64,8 @@ class Request:
     """0: no receiver."""
     convention: Convention = Convention.INSTANT
     antenna_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    magnetometer_hz: Fraction = Fraction(0)
+    barometer_hz: Fraction = Fraction(0)
 
 
 class Drive:
@@ -76,6 +80,7 @@ class Drive:
         self._intervals = count_within(request.rate_hz, self.duration_ns)
         rate = request.gnss_rate_hz
         self.epochs = count_within(rate, self.duration_ns) + 1 if rate else 0
+        self.ambients = tuple(_ambients(request))
 
     @property
     def samples(self) -> int:
@@ -110,6 +115,14 @@ class Drive:
             for time_ns in instants(self.request.gnss_rate_hz, first, count).tolist():
                 yield time_ns, self._receiver.epoch(time_ns)
 
+    def ambient_rows(self, ambient: Ambient, after_ns: int, end_ns: int) -> Floats:
+        """Rows of a magnetometer or barometer at its instants after one time (−1: from the first on) and up
+        to another; to be asked for in order."""
+        rate = ambient.rate_hz
+        first = 0 if after_ns < 0 else count_within(rate, after_ns) + 1
+        times_ns = instants(rate, first, max(0, count_within(rate, end_ns) + 1 - first))
+        return ambient.sensor.rows(times_ns, self._vehicle.motion.rows(times_ns))
+
     @property
     def _bandwidth_hz(self) -> float:
         return float(self.request.rate_hz) / 2.0
@@ -134,6 +147,17 @@ class Drive:
             felt[:, :6] *= lengths
             rows[:, signals] *= lengths
         return Block(times_ns, felt, rows)
+
+
+def _ambients(request: Request) -> Iterator[Ambient]:
+    scenario = request.scenario
+    if request.magnetometer_hz:
+        field = MagneticField(scenario.start.utc)
+        yield Ambient(Magnetometer(scenario.magnetometer, field, request.seed), request.magnetometer_hz)
+    if request.barometer_hz:
+        assert scenario.place is not None  # the schema asks for it
+        separation = scenario.place.geoid_separation_m
+        yield Ambient(Barometer(scenario.barometer, separation, request.seed), request.barometer_hz)
 
 
 def warm_up(request: Request) -> None:

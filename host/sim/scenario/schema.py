@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, field_validator, model_validator
 
+from host.sim.errors.ambient_schema import BarometerErrors, MagnetometerErrors
 from host.sim.errors.presets import load_preset
 from host.sim.errors.schema import ImuErrors
 from host.sim.gnss.settings import GnssSettings
@@ -242,6 +243,8 @@ class Scenario(Table):
     vibration: Vibration = Vibration()
     imu: ImuErrors = ImuErrors()
     gnss: GnssSettings = GnssSettings()
+    magnetometer: MagnetometerErrors = MagnetometerErrors()
+    barometer: BarometerErrors = BarometerErrors()
     outage: list[OutageWindow] = Field(default=[], examples=[[{"start_s": 300.0, "duration_s": 60.0}]])
     fault: Annotated[list[Fault], AfterValidator(_with_names)] = Field(default_factory=list)
     recording: RecordingSource | None = Field(default=None, examples=[{"file": "comma2k19/example_1.npz"}])

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.record.row_text import RowText
+from host.simulate.formats.ambient_csv import AmbientCsv
 from host.simulate.part_files import PartFiles
 from host.simulate.rows import GNSS, truth_rows
 from host.simulate.source import Source
@@ -40,6 +41,7 @@ class KfGinsWriter:
         self._imu, self._gnss, self._truth = (
             files.open(path.with_suffix(f".{kind}.txt")) for kind in ("imu", "gnss", "truth")
         )
+        self._ambients = AmbientCsv(source, path, files)
         self._imu_text = blanks(IMU_DECIMALS)
         self._gnss_text = blanks(GNSS_DECIMALS)
         self._truth_text = blanks(TRUTH_DECIMALS)
@@ -61,6 +63,10 @@ class KfGinsWriter:
         self._gnss.write(
             self._gnss_text.text(np.hstack((second, fixed[:, _PLACE], axis, axis, fixed[:, [_V_ACC]])))
         )
+
+    def add_ambient(self, name: str, rows: NDArray[np.float64]) -> None:
+        """A line a sample, in a CSV of its own."""
+        self._ambients.add(name, rows)
 
     def finish(self) -> None:
         """Nothing is left to write."""

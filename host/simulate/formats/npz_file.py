@@ -1,4 +1,5 @@
-"""NPZ for NumPy: `imu` (samples with their truth, a structured array), `gnss`, and `about` (JSON).
+"""NPZ for NumPy: `imu` (samples with their truth, a structured array), `gnss`, `mag`, `baro`, and `about`
+(JSON).
 
     data = np.load("drive.npz")
     data["imu"]["force"], data["imu"]["rate"]      # (n, 3) m/s², rad/s in sensor axes
@@ -11,7 +12,7 @@ from __future__ import annotations
 
 import json
 import zipfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import IO, Any
 
@@ -68,6 +69,10 @@ class NpzWriter:
         self._archive = _Archive(files.open(path), "w", zipfile.ZIP_STORED, allowZip64=True)
         self._member = self._open("imu", self._dtype, (source.samples,))
         self._gnss: list[NDArray[np.float64]] = []
+        self._ambients: dict[str, list[NDArray[np.float64]]] = {
+            one.sensor.name: [] for one in source.ambients
+        }
+        self._columns = {one.sensor.name: one.sensor.table.columns for one in source.ambients}
 
     def add_block(self, block: Block) -> None:
         """Records of all samples."""
@@ -85,14 +90,23 @@ class NpzWriter:
         """Kept until the end."""
         self._gnss.append(rows)
 
+    def add_ambient(self, name: str, rows: NDArray[np.float64]) -> None:
+        """Kept until the end."""
+        self._ambients[name].append(rows)
+
     def finish(self) -> None:
         """Write the other members."""
         self._member.close()
-        columns = [(name, "<f8") for name in GNSS.columns]
-        epochs = np.vstack(self._gnss) if self._gnss else np.empty((0, len(columns)))
-        self._whole("gnss", np.ascontiguousarray(epochs).view(columns).reshape(-1))
+        self._rows("gnss", GNSS.columns, self._gnss)
+        for name, parts in self._ambients.items():
+            self._rows(name, self._columns[name], parts)
         self._whole("about", np.array(json.dumps(self._about)))
         self._archive.close()
+
+    def _rows(self, name: str, columns: Sequence[str], parts: list[NDArray[np.float64]]) -> None:
+        fields = [(column, "<f8") for column in columns]
+        rows = np.vstack(parts) if parts else np.empty((0, len(fields)))
+        self._whole(name, np.ascontiguousarray(rows).view(fields).reshape(-1))
 
     def _whole(self, name: str, array: NDArray[Any]) -> None:
         with self._open(name, array.dtype, array.shape) as member:

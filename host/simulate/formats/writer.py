@@ -29,6 +29,10 @@ class Writer(Protocol):
         """Receiver epochs."""
         ...
 
+    def add_ambient(self, name: str, rows: NDArray[np.float64]) -> None:
+        """Rows of the source's magnetometer or barometer, by its name."""
+        ...
+
     def finish(self) -> None:
         """All has come."""
         ...
