@@ -181,7 +181,7 @@ def _stretch(request: WavesRequest, recorded_ns: int) -> tuple[int, int]:
         )
     if from_s * NS >= recorded_ns:
         raise UserError(
-            f"--from {from_s:g}: capture {request.capture} ends at {recorded_ns / NS:g} s; choose an earlier one"
+            f"--from {from_s:g}: capture {request.capture} ends at {recorded_ns / NS:g} s; choose earlier"
         )
     end_ns = recorded_ns if to_s is None else min(round(to_s * NS), recorded_ns)
     return round(from_s * NS), end_ns

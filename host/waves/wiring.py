@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from boards.description import Board
+from hal.emulated.spi import SpiTiming
 from host.capture.blocks import CanMessage, Traffic
 from host.record.errors import UserError
 from host.replay.setting import recorded_board
@@ -110,7 +111,8 @@ def _tracer(bus: RecordedBus, board: Board | None, given: int | None) -> Tracer:
     match bus.kind:
         case "spi":
             mode = board.buses[bus.name].mode if board is not None and bus.name in board.buses else 0
-            return SpiLines(bus.name, bus.parts, rate, mode)
+            timings = {part: _spi_timing(bus.name, part, board, rate, given) for part in bus.parts}
+            return SpiLines(bus.name, timings, mode)
         case "i2c":
             return I2cLines(bus.name, rate)
         case "uart":
@@ -127,3 +129,14 @@ def _stated_rate(bus: RecordedBus, board: Board | None) -> int | None:
     if board is not None and bus.kind == "can" and bus.name in board.can:
         return board.can[bus.name].bitrate
     return None
+
+
+def _spi_timing(name: str, device: str, board: Board | None, rate: int, given: int | None) -> SpiTiming:
+    """How the chip at one chip select is clocked."""
+    chips = {} if board is None else board.chips
+    for refdes, chip in chips.items():
+        if chip.bus == name and device == (chip.name or refdes) and chip.spi is not None:
+            words = chip.spi
+            clock_hz = given or words.clock_hz or rate
+            return SpiTiming(clock_hz, words.bits_per_word, words.stall_ns, words.stall_clocks)
+    return SpiTiming(rate)
