@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from contextlib import ExitStack
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 from mcap.records import Schema
 from mcap.writer import CompressionType, Writer
@@ -12,6 +13,7 @@ from mcap.writer import CompressionType, Writer
 from host.capture.blocks import MARK, MARK_TOPIC, spans, time_of
 from host.capture.reader import CaptureReader, RawMessage
 from host.capture.writer import UNBOUNDED
+from host.record.atomic import made_aside
 from host.record.errors import UserError
 
 NS = 1_000_000_000
@@ -31,29 +33,23 @@ def cut(source: Path, target: Path, from_s: float, to_s: float) -> int:
     reader = CaptureReader(source)
     copy: _Copy | None = None
     begin_ns, end_ns = round(from_s * NS), round(to_s * NS)
-    try:
+    with made_aside(target, "-o") as part, ExitStack() as opened:
         for message in reader.messages():
             if copy is None:
-                copy = _Copy(target, reader, from_s, to_s)
+                copy = _Copy(opened.enter_context(part.open("wb")), reader, from_s, to_s)
             copy.take(message, begin_ns, end_ns)
-    except OSError as error:
-        raise UserError(f"-o {target}: cannot be written: {error.strerror}") from None
-    finally:
-        if copy is not None:
-            copy.close(min(end_ns - 1, reader.end_ns or end_ns))
-    if copy is None or not copy.messages:
-        target.unlink(missing_ok=True)
-        raise UserError(f"capture {source}: nothing was recorded from {from_s:g} to {to_s:g} s")
+        if copy is None or not copy.messages:
+            raise UserError(f"capture {source}: nothing was recorded from {from_s:g} to {to_s:g} s")
+        copy.finish(min(end_ns - 1, reader.end_ns or end_ns))
     return copy.messages
 
 
 class _Copy:
     """A capture that takes messages of another one."""
 
-    def __init__(self, target: Path, reader: CaptureReader, from_s: float, to_s: float) -> None:
+    def __init__(self, file: BinaryIO, reader: CaptureReader, from_s: float, to_s: float) -> None:
         self.messages = 0
-        self._file = target.open("wb")
-        self._writer = Writer(self._file, chunk_size=UNBOUNDED, compression=CompressionType.LZ4)
+        self._writer = Writer(file, chunk_size=UNBOUNDED, compression=CompressionType.LZ4)
         self._writer.start(profile="navtwin", library="navtwin")
         manifest: dict[str, Any] = {**reader.manifest, "cut": {"from_s": from_s, "to_s": to_s}}
         text = json.dumps(manifest, indent=1, sort_keys=True).encode()
@@ -85,12 +81,11 @@ class _Copy:
         if message.topic == MARK_TOPIC:
             self._writer.flush()
 
-    def close(self, end_ns: int) -> None:
+    def finish(self, end_ns: int) -> None:
         """Write the rest and the index."""
         if MARK_TOPIC in self._channels:
             self._writer.add_message(self._channels[MARK_TOPIC], end_ns, MARK.pack(end_ns), end_ns)
         self._writer.finish()
-        self._file.close()
 
     def _channel(self, topic: str, encoding: str, schema: Schema) -> int:
         if topic not in self._channels:

@@ -21,9 +21,12 @@ from host.capture.blocks import (
 )
 from host.capture.reader import CaptureReader, Decoded
 from host.capture.tables_of import Row, row_of
+from host.record.atomic import made_aside
 from host.record.errors import UserError
 
 ROWS_AT_ONCE = 20_000
+LONGEST_CLASSIC_CAN = 8
+"""Bytes in a frame; imported logs of CAN FD have longer ones."""
 SPI_SELECT = "select"
 I2C_BUSY = "busy"
 TEXTS = (
@@ -52,14 +55,12 @@ def export(capture: Path, kind: str, target: Path, topic: str | None) -> list[Pa
         raise UserError(f"--format {kind}: no such format; {did_you_mean(kind, KINDS)}")
     if target.exists() and (target.is_file() or any(target.iterdir())):
         raise UserError(f"-o {target}: exists already; name a new file or folder")
-    try:
-        made = KINDS[kind](CaptureReader(capture), target, topic)
-    except OSError as error:
-        raise UserError(f"-o {target}: cannot be written: {error.strerror}") from None
-    if not made:
-        what = "" if topic is None else f" under {topic}"
-        raise UserError(f"capture {capture}: holds nothing for {kind}{what}")
-    return made
+    with made_aside(target, "-o") as part:
+        made = KINDS[kind](CaptureReader(capture), part, topic)
+        if not made:
+            what = "" if topic is None else f" under {topic}"
+            raise UserError(f"capture {capture}: holds nothing for {kind}{what}")
+    return [target / path.name if path.parent == part else target for path in made]
 
 
 def _tables(reader: CaptureReader, topic: str | None) -> Iterator[tuple[str, list[Row]]]:
@@ -145,10 +146,7 @@ def _nmea(reader: CaptureReader, target: Path, topic: str | None) -> list[Path]:
                 good = [line for line in map(_sentence, whole) if line is not None]
                 sentences += len(good)
                 file.writelines(good)
-    if not sentences:
-        target.unlink()
-        return []
-    return [target]
+    return [target] if sentences else []
 
 
 def _sentence(line: bytes) -> bytes | None:
@@ -177,13 +175,11 @@ def _candump(reader: CaptureReader, target: Path, topic: str | None) -> list[Pat
                         arbitration_id=record.identifier,
                         is_extended_id=record.extended,
                         data=record.data,
+                        is_fd=len(record.data) > LONGEST_CLASSIC_CAN,
                         channel=record.bus,
                     )
                 )
-    if not frames:
-        target.unlink()
-        return []
-    return [target]
+    return [target] if frames else []
 
 
 def _vcd(reader: CaptureReader, target: Path, topic: str | None) -> list[Path]:

@@ -126,6 +126,8 @@ def _ending(overview: Overview) -> list[str]:
         found.append(
             f"the file is cut off or damaged behind byte {overview.whole_bytes:,}: the last {lost:,} bytes"
             " cannot be read"
+            if lost
+            else f"the file ends behind byte {overview.whole_bytes:,}, without the index that a whole one has"
         )
     if overview.duration_s is None and "cut" not in overview.manifest:
         found.append(

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from host.cli.exit_codes import guarded
+from host.cli.exit_codes import NOTHING_WRITTEN, guarded
 
 app = typer.Typer(
     help="Look at captures, check, cut and export them.",
@@ -38,7 +38,7 @@ def info_command(capture: Capture, json: Json = None) -> None:
 
         return show_info(capture, json)
 
-    guarded(command)
+    guarded(command, NOTHING_WRITTEN)
 
 
 @app.command("check")
@@ -50,7 +50,7 @@ def check_command(capture: Capture, json: Json = None) -> None:
 
         return show_check(capture, json)
 
-    guarded(command)
+    guarded(command, NOTHING_WRITTEN)
 
 
 @app.command("cut")
@@ -67,7 +67,7 @@ def cut_command(
 
         return make_cut(capture, output, begin, end)
 
-    guarded(command)
+    guarded(command, NOTHING_WRITTEN)
 
 
 @app.command("export")
@@ -91,4 +91,4 @@ def export_command(
 
         return make_export(capture, kind, output, topic)
 
-    guarded(command)
+    guarded(command, NOTHING_WRITTEN)

@@ -25,6 +25,7 @@ PATH_ERRORS = (errno.ENAMETOOLONG, errno.EACCES, errno.EPERM, errno.ELOOP)
 
 
 INTERRUPTED = "interrupted; what was written so far is marked as incomplete"
+NOTHING_WRITTEN = "interrupted; nothing was written"
 CAMPAIGN_INTERRUPTED = "interrupted; finished runs are kept, the same command goes on with the others"
 
 

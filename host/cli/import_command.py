@@ -7,10 +7,9 @@ from typing import Annotated
 
 import typer
 
-from host.cli.exit_codes import guarded
+from host.cli.exit_codes import NOTHING_WRITTEN, guarded
 
 KIND_HELP = "ubx, nmea, can, kf-gins, csv, comma2k19 or broad."
-INTERRUPTED = "interrupted; nothing was written"
 
 
 def import_command(
@@ -86,4 +85,4 @@ def import_command(
         )
         return execute(wanted, json, quiet)
 
-    guarded(command, INTERRUPTED)
+    guarded(command, NOTHING_WRITTEN)

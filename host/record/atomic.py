@@ -1,7 +1,11 @@
-"""Files that are there whole or not at all: written aside and renamed."""
+"""Files and folders that are there whole or not at all: written aside and renamed."""
 
 from __future__ import annotations
 
+import os
+import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 from host.record.errors import UserError
@@ -22,3 +26,30 @@ def write_whole(path: Path, content: str | bytes, option: str = "") -> None:
             part.unlink()
         where = f"{option} {path}" if option else str(path)
         raise UserError(f"{where}: cannot be written: {error.strerror}") from None
+
+
+@contextmanager
+def made_aside(target: Path, option: str) -> Iterator[Path]:
+    """A path beside a new file or folder, which gets the target's name when all went well.
+
+    A target that is an empty folder is filled. Whatever goes wrong, nothing stays behind. Raises UserError
+    that names the target and the command-line `option`.
+    """
+    whole = target.resolve()
+    part = whole.with_name(f"{whole.name}.{os.getpid()}.part")
+    try:
+        try:
+            yield part
+            if target.is_dir() and part.is_dir():
+                for made in part.iterdir():
+                    made.replace(target / made.name)
+                part.rmdir()
+            elif part.exists():
+                part.replace(target)
+        except OSError as error:
+            raise UserError(f"{option} {target}: cannot be written: {error.strerror}") from None
+    finally:
+        if part.is_dir():
+            shutil.rmtree(part, ignore_errors=True)
+        else:
+            part.unlink(missing_ok=True)

@@ -1,6 +1,7 @@
 """navtwin capture: what is told, cut and exported agrees with what other readers find."""
 
 import contextlib
+import errno
 import json
 import os
 import signal
@@ -200,3 +201,65 @@ def test_a_folder_without_a_capture_is_told(tmp_path):
     outcome = navtwin("capture", "info", tmp_path)
     assert outcome.exit_code == 2
     assert "holds no run.mcap" in outcome.output
+
+
+@pytest.mark.parametrize(
+    "command",
+    [("cut", "--from", 1, "--to", 11), ("export", "--format", "csv"), ("export", "--format", "candump")],
+    ids=["cut", "csv", "candump"],
+)
+@pytest.mark.parametrize("what", ["full disk", "Ctrl-C"])
+def test_what_could_not_be_written_whole_is_not_there(capture, tmp_path, monkeypatch, command, what):
+    name, *options = command
+    read = CaptureReader._records
+    total = sum(1 for _ in CaptureReader(capture).messages())
+
+    def stops(self, file):
+        for number, record in enumerate(read(self, file)):
+            if number > total // 2:
+                if what == "Ctrl-C":
+                    raise KeyboardInterrupt
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            yield record
+
+    monkeypatch.setattr(CaptureReader, "_records", stops)
+    outcome = navtwin("capture", name, capture, *options, "-o", tmp_path / "made")
+    assert list(tmp_path.iterdir()) == []
+    assert outcome.output.count("\n") == 1
+    if what == "Ctrl-C":
+        assert (outcome.exit_code, outcome.output) == (130, "navtwin: interrupted; nothing was written\n")
+    else:
+        assert outcome.exit_code == 2
+        assert f"-o {tmp_path / 'made'}: cannot be written: No space left on device" in outcome.output
+
+
+def test_a_capture_that_was_cut_off_is_cut_to_its_own_name(capture, tmp_path):
+    part, whole = tmp_path / "run.mcap.part", tmp_path / "run.mcap"
+    part.write_bytes(capture.read_bytes()[:-2000])
+    before = part.read_bytes()
+    assert navtwin("capture", "cut", part, "--from", 0, "--to", 5, "-o", whole).exit_code == 0
+    assert part.read_bytes() == before
+    assert CaptureReader(whole).recorded_s() == pytest.approx(5.0)
+    assert sorted(tmp_path.iterdir()) == [whole, part]
+
+
+def test_an_export_may_go_into_an_empty_folder(capture, tmp_path):
+    folder = tmp_path / "tables"
+    folder.mkdir()
+    assert navtwin("capture", "export", capture, "-f", "csv", "-o", folder, "--topic", "/gnss").exit_code == 0
+    assert [path.name for path in tmp_path.rglob("*")] == ["tables", "gnss.csv"]
+
+
+def test_long_frames_are_exported_as_can_fd(tmp_path):
+    with can.Logger(tmp_path / "fd.blf") as logger:
+        for k in range(3):
+            data = bytes(range(64)) if k else b"\1"
+            logger(can.Message(timestamp=1.7e9 + k, arbitration_id=5, is_fd=bool(k), data=data))
+    capture, log = tmp_path / "fd.mcap", tmp_path / "fd.log"
+    assert navtwin("import", "can", tmp_path / "fd.blf", "-o", capture, "-q").exit_code == 0
+    assert navtwin("capture", "export", capture, "-f", "candump", "-o", log).exit_code == 0
+    with can.LogReader(log) as reader:
+        assert [(one.is_fd, bytes(one.data)) for one in reader] == [
+            (False, b"\1"),
+            *2 * [(True, bytes(range(64)))],
+        ]
