@@ -78,6 +78,11 @@ def open_port(url: str, baud: int, timeout_s: float = READ_TIMEOUT_S) -> Any:
     return port
 
 
+def has_rate(url: str) -> bool:
+    """Whether a bit rate means anything there."""
+    return not url.startswith(("socket://", "loop://"))
+
+
 def is_device(url: str) -> bool:
     """Whether the address is a path of this computer rather than a URL."""
     return "://" not in url

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from hal.live.port import PortError, is_device
+from hal.live.port import PortError, has_rate, is_device
 from hal.live.serial_link import SerialLink
 from host.capture.blocks import UartChunk
 from host.capture.places import capture_path
@@ -81,7 +81,7 @@ class SerialBoard:
 
     def __init__(self, url: str, baud: int | None, board_baud: int) -> None:
         self.name = url
-        self._search = baud is None and not url.startswith("socket://")
+        self._search = baud is None and has_rate(url)
         self._rates = [rate for rate in RATES if rate != board_baud]
         self._arrived: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
         self._begin_ns = time.monotonic_ns()

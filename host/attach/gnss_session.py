@@ -165,7 +165,7 @@ class GnssSession:
         }
         return {
             "port": self._port.url,
-            "baud": self._port.link.baud,
+            "baud": self._port.baud,
             "rate_changes": line.rate_changes,
             "bytes_from_receiver": line.bytes_in,
             "bytes_dropped": line.bytes_dropped,

@@ -14,7 +14,7 @@ from hal.emulated.pins import Net
 from hal.emulated.uart_bytes import FRAME
 from hal.emulated.uart_wire import UartWire
 from hal.emulated.virtual_time import VirtualTime
-from host.attach.receiver_port import RATELESS, ReceiverPort
+from host.attach.receiver_port import ReceiverPort
 
 AHEAD_NS = 20_000_000
 """So much is put on the line ahead of time."""
@@ -51,6 +51,7 @@ class ReceiverLine:
         self.bytes_dropped = 0
         """That came faster than the line's rate for too long; only a port without a rate can do that."""
         self.rate_changes = 0
+        """Of the board's UART, which the port follows where it can."""
         self.forwarded = 0
         self.forward_ns = 0
         self.longest_forward_ns = 0
@@ -62,6 +63,7 @@ class ReceiverLine:
         self._uart = board.ports[uart]
         self._to_board = board.to_board[uart]
         self._ear = board.from_board[uart].connect_late()
+        self._followed = port.link.baud
         self._follow()
 
     def bring_in(self, arrived: list[tuple[int, bytes]]) -> None:
@@ -104,8 +106,9 @@ class ReceiverLine:
 
     def _follow(self) -> None:
         baud = self._uart.baud
-        if baud != self._port.link.baud:
+        if baud != self._followed:
+            self._followed = baud
             self.rate_changes += 1
-            if not self._port.url.startswith(RATELESS):
+            if self._port.baud is not None:
                 self._port.link.set_baud(baud)
         self._to_board.set_baud(baud)

@@ -6,13 +6,11 @@ import time
 from collections import deque
 
 from hal.live.baud_probe import probe_baud
-from hal.live.port import PortError
+from hal.live.port import PortError, has_rate
 from hal.live.serial_link import SerialLink
 from host.record.errors import UserError
 
 FIRST_RATE = 9600
-RATELESS = ("socket://", "loop://")
-"""Ports on which a rate means nothing."""
 
 
 class ReceiverPort:
@@ -30,6 +28,11 @@ class ReceiverPort:
             raise UserError(f"--port {error}") from None
         self.link.on_change = self._changed
 
+    @property
+    def baud(self) -> int | None:
+        """Its rate now; None where a rate means nothing."""
+        return self.link.baud if has_rate(self.url) else None
+
     def take(self) -> list[tuple[int, bytes]]:
         """All that came since the last time."""
         arrived = self.arrived
@@ -40,7 +43,7 @@ class ReceiverPort:
         self.link.close()
 
     def _found_rate(self, url: str) -> int:
-        if url.startswith(RATELESS):
+        if not has_rate(url):
             return FIRST_RATE
         probe = probe_baud(url)
         if probe.best is None:

@@ -151,10 +151,10 @@ def _tell(console: Console, request: GnssRequest, attachment: GnssAttachment, qu
         console.print(text, soft_wrap=True, markup=False, style=style)
 
     if not quiet:
+        rate = "" if figures["baud"] is None else f" at {figures['baud']} baud"
         say(
-            f"{result.duration_s:,.1f} s: {figures['bytes_from_receiver']:,} bytes from the receiver at"
-            f" {figures['baud']} baud, {figures['bytes_to_receiver']:,} to it; {attachment.epochs_used:,}"
-            " epochs with a position used"
+            f"{result.duration_s:,.1f} s: {figures['bytes_from_receiver']:,} bytes from the receiver{rate},"
+            f" {figures['bytes_to_receiver']:,} to it; {attachment.epochs_used:,} epochs with a position used"
         )
         if figures["bytes_dropped"]:
             say(f"{figures['bytes_dropped']:,} bytes came faster than the board's line is, and were dropped")

@@ -11,7 +11,7 @@ import time
 from collections import deque
 from threading import Lock
 
-from hal.live.port import PortError
+from hal.live.port import PortError, has_rate
 from hal.live.serial_link import SerialLink
 from host.monitor.view import MonitorView
 from host.record.errors import UserError
@@ -23,7 +23,6 @@ PATIENCE_S = 2.5
 """A receiver speaks once a second; so long without a word that is understood, and the rate is doubted."""
 DOUBTFUL_BYTES = 300
 SILENCE_S = 3.0
-WITHOUT_RATE = ("socket://", "loop://", "spy://")
 
 
 class PortSource:
@@ -39,7 +38,7 @@ class PortSource:
         self._pieces: deque[tuple[float, bytes]] = deque()
         self._waiting = 0
         self._lock = Lock()
-        self._has_rate = not url.startswith(WITHOUT_RATE)
+        self._has_rate = has_rate(url)
         self._fixed = baud is not None or not self._has_rate
         self._rate = 0
         self._began = time.monotonic()

@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
+import select
 import shutil
 import signal
+import socket
 import subprocess
 import sys
+import termios
+import threading
 import time
+import tty
 from pathlib import Path
 
 import pytest
@@ -100,6 +106,36 @@ def test_a_receiver_is_configured_and_used(tmp_path, double):
     assert told["first_fix"]["longitude_deg"] == pytest.approx(LONGITUDE, abs=2e-5)
     assert LATENCY_MS - 5 <= told["latency"]["latency_median_ms"] < LATENCY_MS + 100
     assert_it_replays(tmp_path, told)
+
+
+def test_over_tcp_there_is_no_rate_and_the_boards_changes_count_once_each(tmp_path, double):
+    name = str(tmp_path / "ttyGPS")
+    double("simulated_receiver.py", name, "--deaf")
+    terminal = os.open(name, os.O_RDWR | os.O_NOCTTY)
+    tty.setraw(terminal)
+    attributes = termios.tcgetattr(terminal)
+    attributes[4] = attributes[5] = termios.B9600
+    termios.tcsetattr(terminal, termios.TCSANOW, attributes)
+    with socket.create_server(("127.0.0.1", 0)) as listener:
+        threading.Thread(target=relay, args=(listener, terminal), daemon=True).start()
+        port = f"socket://127.0.0.1:{listener.getsockname()[1]}"
+        code, told, said = ended(tmp_path, start(tmp_path, port, "--seconds", "5"))
+    assert code == 0, said
+    assert told["baud"] is None
+    assert 1 <= told["rate_changes"] <= 20
+    assert told["epochs_used"] >= 2
+
+
+def relay(listener: socket.socket, terminal: int) -> None:
+    """Bytes both ways between one connection and a terminal, up to the end."""
+    connection, _ = listener.accept()
+    with connection, contextlib.suppress(OSError):
+        while True:
+            for ready in select.select([connection, terminal], [], [])[0]:
+                if ready is connection:
+                    os.write(terminal, connection.recv(4096))
+                else:
+                    connection.sendall(os.read(terminal, 4096))
 
 
 def test_a_moving_scenario_is_refused_before_anything_is_opened(tmp_path):
