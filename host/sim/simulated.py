@@ -13,6 +13,7 @@ from host.sim.errors.inertial_sensor import InertialSensor
 from host.sim.errors.presets import load_preset, with_overrides
 from host.sim.gnss.receiver import SimulatedReceiver
 from host.sim.gnss.schedule import Window, window
+from host.sim.gnss.tunnels import with_tunnels
 from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.motion_matrix import segment_of_row
 from host.sim.scenario.schema import Scenario, Sway, Vibration
@@ -40,7 +41,12 @@ class SimulatedVehicle:
         self.motion = _motion(scenario, seed)
         wanted_s = scenario.duration_s
         self.duration_ns = self.motion.end_ns if wanted_s is None else round(wanted_s * NS)
-        self.outages: tuple[Window, ...] = tuple(window(o.start_s, o.duration_s) for o in scenario.outage)
+        self.outages: tuple[Window, ...] = with_tunnels(
+            [window(o.start_s, o.duration_s) for o in scenario.outage],
+            [tunnel.polygon for tunnel in scenario.tunnel],
+            self._places,
+            self.duration_ns,
+        )
         self.sensors: dict[str, InertialSensor] = {}
         self._receivers: list[SimulatedReceiver] = []
 
@@ -75,6 +81,10 @@ class SimulatedVehicle:
         )
         self._receivers.append(receiver)
         return receiver
+
+    def _places(self, times_ns: NDArray[np.int64]) -> tuple[Array, Array]:
+        rows = self.motion.rows(times_ns)
+        return rows[:, LATITUDE], rows[:, LONGITUDE]
 
     def put_down(self, time_ns: int, place: tuple[float, float, float]) -> None:
         """From `time_ns` on a vehicle that stands for the whole scenario stands at `place`: latitude,

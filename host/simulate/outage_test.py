@@ -111,6 +111,7 @@ def driven(scenario: Scenario, plan: Plan, preset: str) -> Scenario:
                 velocity_white_mps=GNSS_MPS,
             ),
             "outage": [],
+            "tunnel": [],
             "fault": [],
         }
     )

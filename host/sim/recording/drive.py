@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.sim.gnss.schedule import NS, Window, window
+from host.sim.gnss.tunnels import with_tunnels
 from host.sim.recording.comma2k19 import LEAP_SECONDS, Comma2k19, read_comma2k19
 from host.sim.recording.locate import recording_path
 from host.sim.recording.recorded_imu import RecordedImu
@@ -48,9 +49,14 @@ class RecordedDrive:
                 f"lasts {length_s:g} s; for example duration_s = {length_s:g}"
             )
         self.duration_ns = round(wanted_s * NS)
-        self.outages: tuple[Window, ...] = tuple(window(o.start_s, o.duration_s) for o in scenario.outage)
         self._reference = PoseReference(
             self._virtual(drive.pose_t), drive.pose_position, drive.pose_velocity, drive.pose_q_eb
+        )
+        self.outages: tuple[Window, ...] = with_tunnels(
+            [window(o.start_s, o.duration_s) for o in scenario.outage],
+            [tunnel.polygon for tunnel in scenario.tunnel],
+            self._places,
+            self.duration_ns,
         )
 
     def _virtual(self, boot_t: Array) -> Array:
@@ -78,6 +84,10 @@ class RecordedDrive:
             self.outages,
             round(settings.reacquisition_s * NS),
         )
+
+    def _places(self, times_ns: NDArray[np.int64]) -> tuple[Array, Array]:
+        truth = self._reference.truth(times_ns)
+        return truth.latitude, truth.longitude
 
     def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
         """The reference; the sensor's true bias is not known."""

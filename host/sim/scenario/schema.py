@@ -139,6 +139,32 @@ class OutageWindow(Table):
     duration_s: Positive = Field(le=1e7, examples=[60.0])
 
 
+Corner = Annotated[list[float], Field(min_length=2, max_length=2)]
+
+
+class Tunnel(Table):
+    """No satellite signals inside a polygon."""
+
+    polygon: Annotated[list[Corner], Field(min_length=3, max_length=1000)] = Field(
+        examples=[[[30.53, 114.35], [30.53, 114.36], [30.54, 114.36], [30.54, 114.35]]]
+    )
+    """Corners: latitude, longitude in °."""
+
+    @field_validator("polygon")
+    @classmethod
+    def _corners_are_places(cls, value: list[Corner]) -> list[Corner]:
+        for latitude, longitude in value:
+            if abs(latitude) > 89.0 or abs(longitude) > 180.0:
+                raise ValueError(
+                    f"corner [{latitude:g}, {longitude:g}] must be a latitude of -89 … 89 and a longitude of"
+                    " -180 … 180"
+                )
+        wide = [abs((corner[1] - value[0][1] + 180.0) % 360.0 - 180.0) for corner in value]
+        if max(wide) > 90.0:
+            raise ValueError(f"is {max(wide):g}° of longitude wide; at most 90")
+        return value
+
+
 class Fault(Table):
     """Something that breaks: `kind` and `target` are known to whoever injects it."""
 
@@ -246,6 +272,9 @@ class Scenario(Table):
     magnetometer: MagnetometerErrors = MagnetometerErrors()
     barometer: BarometerErrors = BarometerErrors()
     outage: list[OutageWindow] = Field(default=[], examples=[[{"start_s": 300.0, "duration_s": 60.0}]])
+    tunnel: list[Tunnel] = Field(
+        default=[], examples=[[{"polygon": [[30.53, 114.35], [30.53, 114.36], [30.54, 114.36]]}]]
+    )
     fault: Annotated[list[Fault], AfterValidator(_with_names)] = Field(default_factory=list)
     recording: RecordingSource | None = Field(default=None, examples=[{"file": "comma2k19/example_1.npz"}])
     board: dict[str, Any] = Field(default={}, examples=[{"chips": {"U3": {"lever_arm_m": [0.0, 0.0, 0.0]}}}])
