@@ -122,10 +122,13 @@ class Service:
             self.paced.pause()
 
     def serve(self) -> RunResult:
-        """Let time pass to the end of the scenario, or until somebody stops it; the result."""
+        """Let time pass to the end of the scenario, or until somebody stops it; the result.
+
+        What was stopped in the middle cannot be held to what is expected of the whole: it is not judged.
+        """
         self.paced.run(self.session.world.duration_ns)
         self._hand_over_the_rest()
-        return self.session.finish(self.paced.running_s)
+        return self.session.finish(self.paced.running_s, judged=not self.paced.stopped)
 
     def stop(self) -> None:
         """End soon; asked a second time, without waiting for anybody. May be called by a signal."""

@@ -201,6 +201,7 @@ def test_signals_end_it_with_a_whole_folder(by, tmp_path):
     assert {"run.mcap", "solution.csv", "manifest.json", "result.json", "report.html"} <= names
     assert json.loads((tmp_path / "out" / "manifest.json").read_text())["status"] == "complete"
     assert result["duration_s"] >= 1.0
+    assert result["expectations"] == []  # of the whole scenario; none of them could be met yet
 
 
 def test_while_the_whole_pc_stands_still_nobody_is_cut_off(tmp_path):
