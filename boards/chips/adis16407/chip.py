@@ -98,6 +98,9 @@ class Adis16407:
         self.power(True)
 
     def _reset_pin(self, held: bool) -> None:
+        """An undriven net stands low at first; the part's own pull-up then counts."""
+        if held == self._held_in_reset:
+            return
         self._core.advance(self._time.now)
         self._held_in_reset = held
         self._restart()
@@ -215,7 +218,7 @@ class Adis16407:
 
     def _read(self, address: int, time_ns: int) -> int:
         value = self._core.read(address, time_ns)
-        return value | self._side.levels() if address & 0x7E == GPIO_CTRL else value
+        return value & 0xFF | self._side.levels() if address & 0x7E == GPIO_CTRL else value
 
     def _burst(self, mosi: bytes | bytearray, time_ns: int) -> bytes:
         """The outputs in a row, as long as it is clocked."""
