@@ -228,7 +228,8 @@ class CaptureWriter:
         self._writer.flush()
 
     def close(self, summary: Mapping[str, str] | None = None) -> None:
-        """End the file with a metadata record `end` and give it its name."""
+        """End the file with a metadata record `end`, behind all that was recorded, and give it its name."""
+        self.flush()
         self._writer.add_metadata("end", dict(summary or {}))
         self.abandon()
         self.part.replace(self.path)

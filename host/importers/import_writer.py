@@ -93,6 +93,7 @@ class ImportWriter:
     def close(self, summary: Mapping[str, str]) -> None:
         """End the file and give it its name. Raises UserError."""
         try:
+            self._writer.flush()  # whoever reads of the end has read everything
             self._writer.add_metadata("end", dict(summary))
             self._writer.finish()
             self._file.flush()

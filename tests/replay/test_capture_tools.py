@@ -263,3 +263,20 @@ def test_long_frames_are_exported_as_can_fd(tmp_path):
             (False, b"\1"),
             *2 * [(True, bytes(range(64)))],
         ]
+
+
+def test_a_capture_that_lost_its_last_records_does_not_say_that_the_run_ended(capture, tmp_path):
+    """Nor does its replay differ from what is there."""
+    data, damaged = capture.read_bytes(), tmp_path / "cut.mcap"
+    whole = sum(1 for _ in CaptureReader(capture))
+    ended = set()
+    for lost in range(1, len(data) // 3, 501):
+        damaged.write_bytes(data[:-lost])
+        reader = CaptureReader(damaged)
+        count = sum(1 for _ in reader)
+        assert reader.summary is None or count == whole
+        ended.add(reader.summary is None)
+    assert ended == {True, False}
+    result = replay_strict(ReplayRequest(damaged))
+    assert result.difference is None
+    assert not result.capture_complete
