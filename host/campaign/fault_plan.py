@@ -12,7 +12,7 @@ from host.record.command_line import toml
 from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.run.faults import KINDS
-from host.sim.gnss.faults import GNSS_FAULT_KINDS, POSITION_JUMP, TIME_JUMP
+from host.sim.gnss.faults import GNSS_FAULT_KINDS, JAMMING, POSITION_JUMP, SPOOFING, TIME_JUMP
 
 NO_FAULT = "[]"
 
@@ -112,11 +112,15 @@ TARGETS: dict[str, Callable[[Board], list[str]]] = {
     "cpu-reset": _processors,
     TIME_JUMP: _receivers,
     POSITION_JUMP: _receivers,
+    SPOOFING: _receivers,
+    JAMMING: _receivers,
 }
 AT_ONCE = ("chip-reset", "uart-garbage", "nav-nan", "cpu-reset")
 """Faults that have no duration."""
 PARAMETERS: dict[str, tuple[tuple[str, float], ...]] = {
     TIME_JUMP: (("offset_s", 3600.0),),
     POSITION_JUMP: (("north_m", 100.0),),
+    SPOOFING: (("north_mps", 2.0),),
+    JAMMING: (("loss_db", 12.0),),
     "uart-garbage": (("length", 20_000),),
 }

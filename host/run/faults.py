@@ -16,6 +16,7 @@
 | nav-nan | processor | a kernel leaves NaN behind in its state |
 | cpu-reset | processor | reset of the processor |
 | gnss-time-jump, gnss-position-jump | reference designator of the receiver | struck by the simulator itself |
+| gnss-spoofing, gnss-jamming | reference designator of the receiver | struck by the simulator itself |
 """
 
 from __future__ import annotations
@@ -100,7 +101,7 @@ def place_now(fault: Fault, board: AssembledBoard, sights: dict[str, ReceiverSig
         return place_on_board(fault, board, seed, now_ns)
     sight = _target(fault, sights, "receiver")
     try:
-        (glitch,) = glitches_of([fault.model_copy(update={"at_s": 0.0})], fault.target, FAR)
+        (glitch,) = glitches_of([fault.model_copy(update={"at_s": 0.0})], fault.target, FAR, seed)
     except ScenarioError as error:
         raise UserError(str(error)) from None
     glitch.window = Window(now_ns, min(FAR, now_ns + glitch.window.end_ns))

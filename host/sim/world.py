@@ -92,7 +92,7 @@ class World:
         """
         lever = np.zeros(3) if lever_arm is None else np.asarray(lever_arm, dtype=np.float64)
         receiver = self._vehicle.gnss(name, lever)
-        glitches = glitches_of(self.scenario.fault, name, self.duration_ns)
+        glitches = glitches_of(self.scenario.fault, name, self.duration_ns, self.seed)
         return GlitchedReceiver(receiver, glitches) if glitches else receiver
 
     def compass(self, name: str, mounting: Array | None = None) -> CompassWorld:

@@ -62,7 +62,7 @@ def sky_at(
     for shell in _SHELLS:
         if shell.system in systems:
             satellites += _in_view(shell, gps_time_s, here, to_ned, mask)
-    return Sky(tuple(satellites), *_dilutions(satellites))
+    return Sky(tuple(satellites), *dilutions(satellites))
 
 
 def blocked(sky: Sky) -> Sky:
@@ -120,7 +120,8 @@ def _satellite(shell: _Shell, k: int, elevation: float, azimuth: float, gps_time
     return Satellite(shell.system, shell.first_number + k, elevation, azimuth, cn0, used)
 
 
-def _dilutions(satellites: list[Satellite]) -> tuple[float, float, float, float]:
+def dilutions(satellites: list[Satellite]) -> tuple[float, float, float, float]:
+    """PDOP, HDOP, VDOP, TDOP of the satellites used; NO_DOP without a solution."""
     used = [s for s in satellites if s.used]
     systems = sorted({s.system for s in used}, reverse=True)
     if len(used) < 3 + len(systems) or not systems:

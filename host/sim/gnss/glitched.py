@@ -1,4 +1,4 @@
-"""A receiver, simulated or recorded, that the scenario makes report a wrong time or position for a while."""
+"""A receiver, simulated or recorded, that the scenario makes report wrongly for a while."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from boards.chips.world import GnssEpoch, GnssWorld
 from host.sim.earth import radians_per_metre
-from host.sim.gnss.schedule import Glitch
+from host.sim.gnss.schedule import NS, Glitch
 
 
 class GlitchedReceiver:
@@ -24,12 +24,19 @@ class GlitchedReceiver:
         for glitch in self.glitches:
             if glitch.window.holds(time_ns):
                 glitch.fired += 1
-                epoch = _struck(epoch, glitch)
+                epoch = _struck(epoch, glitch, time_ns)
         return epoch
 
 
-def _struck(epoch: GnssEpoch, glitch: Glitch) -> GnssEpoch:
-    north, east, down = glitch.offset_ned_m
+def _struck(epoch: GnssEpoch, glitch: Glitch, time_ns: int) -> GnssEpoch:
+    if glitch.jamming is not None:
+        return glitch.jamming.jammed(epoch)
+    pull = glitch.pull_ned_mps
+    pulled_s = (time_ns - glitch.window.start_ns) / NS
+    north, east, down = (
+        offset + pulled_s * rate for offset, rate in zip(glitch.offset_ned_m, pull, strict=True)
+    )
+    vn, ve, vd = epoch.velocity_ned
     lat_per_m, lon_per_m = radians_per_metre(epoch.latitude, epoch.height)
     return replace(
         epoch,
@@ -37,4 +44,5 @@ def _struck(epoch: GnssEpoch, glitch: Glitch) -> GnssEpoch:
         latitude=epoch.latitude + north * lat_per_m,
         longitude=epoch.longitude + east * lon_per_m,
         height=epoch.height - down,
+        velocity_ned=(vn + pull[0], ve + pull[1], vd + pull[2]),
     )

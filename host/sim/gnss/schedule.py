@@ -4,6 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from host.sim.gnss.jamming import Jamming
 
 NS = 1_000_000_000
 
@@ -27,12 +31,15 @@ def held(windows: Sequence[Window], time_ns: int) -> bool:
 
 @dataclass
 class Glitch:
-    """A receiver fault: from `window` start to end the reported time or position is off."""
+    """A receiver fault: from `window` start to end what it reports is wrong, or its signals are weak."""
 
     name: str
     window: Window
     time_offset_ns: int = 0
     offset_ned_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    pull_ned_mps: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Reported velocity is off by this, and the position by what it makes since the start."""
+    jamming: Jamming | None = None
     fired: int = field(default=0)
     """Epochs that came out wrong."""
 
