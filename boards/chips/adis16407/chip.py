@@ -174,10 +174,12 @@ class Adis16407:
             return b""
         core = self._core
         if start_ns < core.answers_ns:
-            core.selected(start_ns)
             self._ended_ns = end_ns
-            self.log.report(ReportKind.TIMING, "SPI", "access while starting up or asleep: lost", start_ns)
-            self._side.schedule()
+            if core.wakes_on_select:
+                core.selected(start_ns)
+                self._side.schedule()
+            else:
+                self._late("access while starting up or asleep: lost", start_ns)
             return bytes(len(mosi))
         core.advance(start_ns)
         words, rest = divmod(len(mosi), 2)

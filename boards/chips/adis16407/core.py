@@ -118,6 +118,8 @@ class Core:
         """No supply, or held in reset."""
         self._abandon()
         self.sampler.forget()
+        self.registers.reset()
+        self.diagnosis = 0
         self.answers_ns = FAR
         self.wakes_on_select = False
 
@@ -136,8 +138,7 @@ class Core:
 
     def selected(self, time_ns: int) -> None:
         """Chip select falls: the end of a sleep without end."""
-        if self.wakes_on_select:
-            self._begin_sampling(time_ns + WAKE_UP_NS)
+        self._begin_sampling(time_ns + WAKE_UP_NS)
 
     # -- surroundings ------------------------------------------------------------------------------
 

@@ -51,6 +51,7 @@ class PinSide:
         self._last_edge_ns = -FAR
         self._pulse = False
         self._sample_ns = FAR
+        self._driven: set[str] = set()
 
     def levels(self) -> int:
         """Bits 11 … 8 of GPIO_CTRL: what is at the pins that are no outputs, and the outputs' own level."""
@@ -84,18 +85,24 @@ class PinSide:
         return active == bool(self._core.registers.values[reg.MSC_CTRL] & 0x02)
 
     def drive(self) -> None:
-        """Bring every output to its level."""
+        """Bring every output to its level; one that is an output no more falls."""
         values = self._core.registers.values
         for k, name in enumerate(DIO):
             net = self.pins[name]
             if net is None:
                 continue
             function = self._function(k)
+            if function in (INPUT, CLOCK):
+                if name in self._driven:
+                    self._driven.discard(name)
+                    net.set(False)
+                continue
+            self._driven.add(name)
             if function == OUTPUT:
                 net.set(bool(values[reg.GPIO_CTRL + 1] >> k & 1))
             elif function == ALARM:
                 net.set(self._alarm_level())
-            elif function == DATA_READY:
+            else:
                 net.set(self._ready_level(self._pulse))
 
     # -- events ------------------------------------------------------------------------------------

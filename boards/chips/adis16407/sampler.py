@@ -152,7 +152,7 @@ class Sampler:
         flags = 0
         while self.next_ns <= time_ns:
             if self.row + 1 >= len(self.times):
-                self._load()
+                self._load(time_ns)
             to = bisect_right(self.times, time_ns) - 1
             if not self.quiet:
                 flags |= int(np.bitwise_or.reduce(self._flags[self.row + 1 : to + 1]))
@@ -193,13 +193,15 @@ class Sampler:
         self._flags, self._rates = np.empty(0, np.int64), np.empty((0, 3))
         self.quiet = not self.summing
 
-    def _load(self) -> None:
-        first = not self.times
+    def _load(self, wanted_ns: int) -> None:
+        """The next block: short at first, long when nobody has looked for long."""
+        usual = BLOCK if self.times else FIRST_BLOCK
+        period_ns = self._period * 1_000_000_000 // CLOCK_HZ
+        longest = max(1, LONGEST_NS // period_ns)
+        count = min(max(usual, (wanted_ns - self.next_ns) // period_ns), longest)
         self._settle()
         clock = self._clock
         assert clock is not None
-        period_ns = self._period * 1_000_000_000 // CLOCK_HZ
-        count = max(1, min(FIRST_BLOCK if first else BLOCK, LONGEST_NS // period_ns))
         times = clock.grid(self._tick, self._period, count)
         self._tick += count * self._period
         self._take(times)

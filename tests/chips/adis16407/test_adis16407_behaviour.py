@@ -334,10 +334,28 @@ def test_sleep_until_chip_select() -> None:
     rig.wait(50 * SECOND)
     selected = rig.time.now
     assert rig.word(0x5600) == 0
+    assert rig.chip.reports == []
     rig.until(selected + 4 * MS - 1)
     assert rig.word(0x5600) == 0
     rig.until(selected + 5 * MS)
     assert rig.read(0x56) == 0x4017
+
+
+@pytest.mark.parametrize("low", ["supply", "RST"])
+def test_pins_are_low_without_supply_and_in_reset(low: str) -> None:
+    rig = Rig(listen="DIO1 DIO2")
+    rig.nets["RST"].set(True)
+    rig.write(0x38, 0x0004)  # data ready, active low, DIO1
+    rig.write(0x36, 0x0202)
+    assert rig.nets["DIO1"].level
+    assert rig.nets["DIO2"].level
+    if low == "supply":
+        rig.chip.power(False)
+    else:
+        rig.nets["RST"].set(False)
+    rig.wait(1 * SECOND)
+    assert not rig.nets["DIO1"].level
+    assert not rig.nets["DIO2"].level
 
 
 def test_settings_survive_sleep() -> None:
