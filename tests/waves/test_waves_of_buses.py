@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from vcd_decoders import Frame, decode_can, decode_i2c, decode_spi, decode_uart, read_vcd
-from wave_captures import bus_table, capture, finish, processor, waves
+from wave_captures import PORT, bus_table, capture, finish, processor, waves
 
 from hal.can import CanFrame
 from hal.emulated.can import CanNode, EmulatedCanBus
@@ -152,9 +152,6 @@ def test_i2c_that_was_held_too_long_ends_without_a_stop(tmp_path):
     (one,) = decode_i2c(lines["i2c9_scl"], lines["i2c9_sda"])
     assert (one.parts, one.end_ns, one.longest_low_ns) == ([[(0x32, True)]], None, 1_000_000)
     assert lines["i2c9_scl"][-1] == (end, "1")
-
-
-PORT = '[uarts.p]\nprocessor = "mcu"\nbaud = 9600\n'
 
 
 def test_uart_rates_runs_and_what_was_taken_back(tmp_path):

@@ -25,6 +25,7 @@ program = "nowhere:program"
 tasks = { other = { priority = 2 } }
 [profiles.plain]
 """
+PORT = '[uarts.p]\nprocessor = "mcu"\nbaud = 9600\n'
 STILL = "duration_s = 8.0\n[place]\nlatitude_deg = 30.0\nlongitude_deg = 114.0\n"
 
 
