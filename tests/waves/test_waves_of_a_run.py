@@ -200,11 +200,11 @@ def test_sigrok_reads_can(recorded, tmp_path):
 
 @sigrok
 def test_sigrok_reads_uart(recorded, tmp_path):
-    """A message of configuration to the receiver; what comes back begins with a message of the same protocol."""
+    """A message to the receiver and the beginning of its answer."""
     path = tmp_path / "x.vcd"
     waves(recorded[0], "-b", "gnss", "--from", 2.501, "--to", 2.506, "-o", path)
     decoder = "uart:rx=gnss_rx:tx=gnss_tx:baudrate=115200"
-    rows = decoded(path, decoder, "uart=tx-data:rx-data:tx-warnings:rx-warnings", "vcd:downsample=10")
+    rows = decoded(path, decoder, "uart=tx-data:rx-data:tx-warnings:rx-warnings", "vcd:downsample=100")
     chunks = [r for r in recorded[1] if isinstance(r, UartChunk) and r.port == "gnss"]
     sent = b"".join(one.data for one in chunks if 2.501e9 < one.end_ns < 2.506e9)
     values = bytes(int(row.split()[-1], 16) for row in rows)
