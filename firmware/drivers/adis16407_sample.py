@@ -71,7 +71,7 @@ def signed_14(raw, at):
 def pressure(raw):
     """Pa, out of both words; the counts have 22 bits, which float32 holds exactly."""
     counts = ((word(raw, 22) & 0x3FFF) << 8) | (word(raw, 24) & 0xFF)
-    return np.float32(counts) * PASCAL
+    return np.float32(np.int32(counts)) * PASCAL
 
 
 @kernel
@@ -102,6 +102,6 @@ def convert(raw, scale, sample):
         sample[FIELD + k] = signed_14(raw, 16 + 2 * k) * TESLA
     sample[PRESSURE] = pressure(raw)
     sample[TEMPERATURE] = temperature(raw)
-    sample[SUPPLY] = np.float32(word(raw, 2) & 0xFFF) * SUPPLY_VOLT
-    sample[ADC] = np.float32(word(raw, 28) & 0xFFF) * ADC_VOLT
+    sample[SUPPLY] = np.float32(np.int32(word(raw, 2) & 0xFFF)) * SUPPLY_VOLT
+    sample[ADC] = np.float32(np.int32(word(raw, 28) & 0xFFF)) * ADC_VOLT
     return flags(raw)
