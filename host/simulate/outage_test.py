@@ -19,6 +19,7 @@ from host.sim.errors.presets import load_preset
 from host.sim.errors.schema import ImuErrors
 from host.sim.gnss.schedule import Window, held, window
 from host.sim.gnss.settings import GnssSettings
+from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.schema import Scenario
 from host.sim.seeding import generator
 from host.sim.simulated import SimulatedVehicle
@@ -119,6 +120,14 @@ def driven(scenario: Scenario, plan: Plan, preset: str) -> Scenario:
     if plain.segment:
         once_ns = SimulatedVehicle(plain, 1).duration_ns
         plain = plain.model_copy(update={"segment": plain.segment * -(-wanted_ns // once_ns)})
+        try:
+            SimulatedVehicle(plain, 1)
+        except ScenarioError:
+            raise ScenarioError(
+                f"{scenario.path or scenario.name}: lasts {once_ns / NS:g} s, the test {plan.duration_s} s; to"
+                " be driven again it must end as it begins, for example at rest: { kind ="
+                ' "reach-speed", duration_s = 6.0, to_mps = 0.0 }'
+            ) from None
     return plain.model_copy(update={"duration_s": float(plan.duration_s)})
 
 
