@@ -239,9 +239,6 @@ class CaptureContent:
                 rows[record.topic].append(record.value)
         self.epochs, self.climbs = rows["/gnss"], rows["/solution"]
         self.road = Road(self.climbs)
-        sensors = [chip for chip in recorded_board.chips.values() if chip.world == "imu"]
-        self.road_lever_arm = np.array(sensors[0].lever_arm_m)
-        """The road is that of the recorded sensor."""
         self.mountings = {refdes: np.array(chip.mounting) for refdes, chip in recorded_board.chips.items()}
         self.samples = {refdes: decoder.samples() for refdes, decoder in traffic.values()}
         self.samples = {refdes: found for refdes, found in self.samples.items() if len(found.times_ns) > 1}
@@ -249,3 +246,6 @@ class CaptureContent:
             raise UserError(
                 f"capture {reader.path}: no inertial samples in it; known are the parts {', '.join(DECODERS)}"
             )
+        sensors = [chip for chip in recorded_board.chips.values() if chip.world == "imu"]
+        self.road_lever_arm = np.array(sensors[0].lever_arm_m)
+        """The road is that of the recorded sensor."""
