@@ -124,8 +124,8 @@ def driven(scenario: Scenario, plan: Plan, preset: str) -> Scenario:
             SimulatedVehicle(plain, 1)
         except ScenarioError:
             raise ScenarioError(
-                f"{scenario.path or scenario.name}: lasts {once_ns / NS:g} s, the test {plan.duration_s} s; to"
-                " be driven again it must end as it begins, for example at rest: { kind ="
+                f"{scenario.path or scenario.name}: lasts {once_ns / NS:g} s, the test {plan.duration_s} s;"
+                " to be driven again it must end as it begins, for example at rest: { kind ="
                 ' "reach-speed", duration_s = 6.0, to_mps = 0.0 }'
             ) from None
     return plain.model_copy(update={"duration_s": float(plan.duration_s)})
