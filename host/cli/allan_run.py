@@ -6,8 +6,8 @@ import json
 from pathlib import Path
 
 from boards.hints import did_you_mean
-from host.cli.campaign_run import check_files
 from host.cli.exit_codes import EXIT_MET
+from host.cli.output_files import check_files
 from host.cli.terminal import print_section, standard_error, standard_output
 from host.record.atomic import write_whole
 from host.record.errors import UserError

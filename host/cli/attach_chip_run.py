@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import json
 import signal
 import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from types import FrameType
 
 from rich.box import SIMPLE_HEAD
@@ -20,17 +18,15 @@ from rich.text import Text
 from host.attach.chip_bench import ChipRequest, chip_session
 from host.attach.chip_session import ChipSession
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
-from host.cli.terminal import standard_error, standard_output
-from host.record.atomic import write_whole
+from host.cli.output_files import for_people, write_json
 from host.record.errors import UserError
 
-STANDARD_OUTPUT = "-"
 REFRESH_HZ = 4.0
 
 
 def attach_chip(request: ChipRequest, seconds: float | None, json_to: str | None, quiet: bool) -> int:
     """Attach, print, write; the exit code. Raises UserError for what the user can mend."""
-    console = standard_error() if json_to == STANDARD_OUTPUT else standard_output()
+    console = for_people(json_to)
     with _asked_to_end() as stop, chip_session(request) as session:
         found = session.start()
         if found.ok:
@@ -148,8 +144,4 @@ def _write(request: ChipRequest, session: ChipSession, json_to: str | None) -> N
         "bus": request.bus,
         **session.report(),
     }
-    text = json.dumps(document, indent=1) + "\n"
-    if json_to == STANDARD_OUTPUT:
-        print(text, end="")
-    else:
-        write_whole(Path(json_to), text, "--json")
+    write_json(document, json_to)

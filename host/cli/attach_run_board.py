@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,14 +16,12 @@ from host.attach.board_source import BoardSource, CapturedBoard, capture_at, ope
 from host.attach.shadow import Shadow
 from host.cli.attach_screen import ended_by_signals, screen
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.output_files import for_people, write_json
 from host.cli.run_command import Outputs, check_places
-from host.cli.terminal import standard_error, standard_output
-from host.record.atomic import write_whole
 from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.run.intake import HOST_PORT
 
-STANDARD_OUTPUT = "-"
 DEFAULT_BOARD = "car_mems"
 
 
@@ -53,7 +50,7 @@ def attach_board(request: BoardRequest, json_to: str | None, quiet: bool) -> int
         setup = setup_of_capture(captured.manifest, request.board, request.profile, request.overrides)
     shadow = Shadow(setup.loop()) if request.shadow else None
     source = captured if capture else open_serial(request.port, request.baud, setup.port_baud)
-    console = standard_error() if json_to == STANDARD_OUTPUT else standard_output()
+    console = for_people(json_to)
     try:
         attachment, out_dir = _attached(request, setup, source, shadow, quiet)
     finally:
@@ -96,11 +93,7 @@ def _write(attachment: Attachment, setup: BoardSetup, json_to: str | None) -> No
         "profile": setup.profile_name,
         **attachment.to_dict(),
     }
-    text = json.dumps(document, indent=1) + "\n"
-    if json_to == STANDARD_OUTPUT:
-        print(text, end="")
-    else:
-        write_whole(Path(json_to), text, "--json")
+    write_json(document, json_to)
 
 
 def _tell(

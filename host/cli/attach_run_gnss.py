@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,16 +22,14 @@ from host.attach.gnss_session import (
 from host.attach.receiver_port import ReceiverPort
 from host.cli.attach_screen import Screen, ended_by_signals, screen
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.output_files import for_people, write_json
 from host.cli.run_command import Outputs, check_places
-from host.cli.terminal import standard_error, standard_output
-from host.record.atomic import write_whole
+from host.cli.terminal import standard_error
 from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.run.runner import check
 from host.run.setup import Setup, resolve
 from host.sim.scenario.errors import ScenarioError
-
-STANDARD_OUTPUT = "-"
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +48,7 @@ def attach_gnss(request: GnssRequest, json_to: str | None, quiet: bool) -> int:
     """Attach, print, write; the exit code. Raises UserError for what the user can mend."""
     check_places(request.run, Outputs(json_to, None, None, quiet))
     run, setup = _checked(request)
-    console = standard_error() if json_to == STANDARD_OUTPUT else standard_output()
+    console = for_people(json_to)
     error = standard_error()
 
     def tell(text: str) -> None:
@@ -137,11 +134,7 @@ def _write(attachment: GnssAttachment, fix: Fix | None, json_to: str | None) -> 
         },
         **attachment.figures,
     }
-    text = json.dumps(document, indent=1) + "\n"
-    if json_to == STANDARD_OUTPUT:
-        print(text, end="")
-    else:
-        write_whole(Path(json_to), text, "--json")
+    write_json(document, json_to)
 
 
 def _tell(console: Console, request: GnssRequest, attachment: GnssAttachment, quiet: bool) -> None:

@@ -22,12 +22,12 @@ from host.campaign.summary import Summary, summarised
 from host.campaign.tables import sections, verdict
 from host.campaign.work import Reduce
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.output_files import check_files, for_people, write_json
 from host.cli.run_command import print_comparison
-from host.cli.terminal import print_section, standard_error, standard_output
+from host.cli.terminal import print_section, standard_error
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 
-STANDARD_OUTPUT = "-"
 MOST_WORKERS = 512
 
 
@@ -132,20 +132,6 @@ def parse_share(text: str) -> float:
     return share
 
 
-def check_files(*files: tuple[str, str | Path | None]) -> None:
-    """Tell before a long campaign that a file could not be written after it. Raises UserError."""
-    for option, name in files:
-        if name is None or str(name) == STANDARD_OUTPUT:
-            continue
-        path = Path(name)
-        if path.is_dir():
-            raise UserError(f"{option} {path}: is a folder; name a file, e.g. {option} {path / 'result'}")
-        if not path.parent.is_dir():
-            raise UserError(f"{option} {path}: the folder {path.parent} does not exist")
-        if not os.access(path.parent, os.W_OK):
-            raise UserError(f"{option} {path}: the folder {path.parent} is not writable")
-
-
 def _compared(baseline: Baseline, finished: Finished, tolerance: float) -> Comparison:
     return compared(baseline, campaign_runs(finished.rows, finished.manifest), finished.manifest, tolerance)
 
@@ -164,12 +150,8 @@ def _write(
     extra = [] if comparison is None else [comparison.section()]
     write_whole(finished.folder / REPORT, render(finished, summary, ok, extra), "--out")
     if outputs.json is not None:
-        if comparison is not None:
-            text = json.dumps(found | {"ok": ok, "baseline": comparison.to_dict()}, indent=1) + "\n"
-        if outputs.json == STANDARD_OUTPUT:
-            print(text, end="")
-        else:
-            write_whole(Path(outputs.json), text, "--json")
+        judged = {} if comparison is None else {"ok": ok, "baseline": comparison.to_dict()}
+        write_json(found | judged, outputs.json)
     if outputs.junit is not None:
         from host.cli.campaign_junit import campaign_junit
 
@@ -183,7 +165,7 @@ def _write(
 
 
 def _print(finished: Finished, summary: Summary, comparison: Comparison | None, outputs: Outputs) -> None:
-    console = standard_error() if outputs.json == STANDARD_OUTPUT else standard_output()
+    console = for_people(outputs.json)
     if not outputs.quiet:
         console.print()
         for section in sections(summary):

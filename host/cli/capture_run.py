@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from host.capture.cutting import cut
@@ -11,17 +10,16 @@ from host.capture.overview import NS, Overview, look_over
 from host.capture.places import capture_path
 from host.capture.topics import IMPORT_FORMAT
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
-from host.cli.terminal import print_section, standard_error, standard_output
-from host.record.atomic import write_whole
+from host.cli.output_files import STANDARD_OUTPUT, write_json
+from host.cli.terminal import print_section, standard_output
 from host.report.summary import Section
-
-STANDARD_OUTPUT = "-"
 
 
 def show_info(capture: Path, target: str | None) -> int:
     """What was captured."""
     overview = look_over(capture_path(capture))
-    if not _written(overview, target):
+    write_json(overview.to_dict(), target)
+    if target != STANDARD_OUTPUT:
         console = standard_output()
         print_section(console, Section("Capture", ("", ""), tuple(_facts(overview)), words=2))
         print_section(console, _topics(overview))
@@ -31,8 +29,9 @@ def show_info(capture: Path, target: str | None) -> int:
 def show_check(capture: Path, target: str | None) -> int:
     """What is missing."""
     overview = look_over(capture_path(capture))
-    if not _written(overview, target):
-        console = standard_error() if target == STANDARD_OUTPUT else standard_output()
+    write_json(overview.to_dict(), target)
+    if target != STANDARD_OUTPUT:
+        console = standard_output()
         for finding in overview.findings:
             console.print(f"- {finding}", soft_wrap=True, markup=False)
         verdict = "whole" if not overview.findings else f"{len(overview.findings)} findings"
@@ -52,18 +51,6 @@ def make_export(capture: Path, kind: str, target: Path, topic: str | None) -> in
     for path in export(capture_path(capture), kind, target, topic):
         print(f"  {path}  {path.stat().st_size:,} bytes")
     return EXIT_MET
-
-
-def _written(overview: Overview, target: str | None) -> bool:
-    """Whether the JSON went to standard output, or to a file besides."""
-    if target is None:
-        return False
-    text = json.dumps(overview.to_dict(), indent=1) + "\n"
-    if target == STANDARD_OUTPUT:
-        print(text, end="")
-        return True
-    write_whole(Path(target), text, "--json")
-    return False
 
 
 def _facts(overview: Overview) -> list[tuple[str, str]]:

@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from rich.console import Console
 
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.output_files import STANDARD_OUTPUT, write_json
 from host.cli.terminal import print_section, standard_output
-from host.record.atomic import write_whole
 from host.replay.run_difference import COLUMNS, RunDifference, compare_runs
 from host.report.summary import Section
 
-STANDARD_OUTPUT = "-"
 SHOWN_DIVERGENCES = 6
 
 
 def show_difference(first: Path, second: Path, target: str | None) -> int:
     """Compare, write, print; the exit code."""
     found = compare_runs(first, second)
-    text = json.dumps(found.to_dict(), indent=1) + "\n"
-    if target == STANDARD_OUTPUT:
-        print(text, end="")
-    else:
-        if target is not None:
-            write_whole(Path(target), text, "--json")
+    write_json(found.to_dict(), target)
+    if target != STANDARD_OUTPUT:
         _tell(standard_output(), found)
     return EXIT_MET if found.same else EXIT_NOT_MET
 

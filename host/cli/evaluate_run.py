@@ -7,8 +7,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from boards.hints import did_you_mean
-from host.cli.campaign_run import check_files
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.output_files import check_files
 from host.cli.simulate_run import scenario_file
 from host.cli.terminal import print_section, progress_bar, standard_error, standard_output
 from host.record.atomic import write_whole

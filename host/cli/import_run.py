@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -11,14 +10,13 @@ from pathlib import Path
 from rich.progress import BarColumn, DownloadColumn, Progress, TextColumn, TimeRemainingColumn
 
 from host.cli.exit_codes import EXIT_MET
+from host.cli.output_files import STANDARD_OUTPUT, check_files, write_json
 from host.cli.terminal import print_section, standard_error, standard_output
 from host.importers.importing import import_recording
 from host.importers.request import ImportRequest, ImportResult, InputFile
 from host.importers.request import Progress as Told
-from host.record.atomic import write_whole
 from host.report.summary import Section
 
-STANDARD_OUTPUT = "-"
 ROLES = ("imu", "gnss", "truth")
 
 
@@ -41,6 +39,7 @@ class Wanted:
 
 def execute(wanted: Wanted, target: str | None, quiet: bool) -> int:
     """Import, write, print; the exit code."""
+    check_files(("--json", target))
     with _progress_bar(f"import {wanted.kind}", quiet) as progress:
         result = import_recording(
             ImportRequest(
@@ -58,12 +57,7 @@ def execute(wanted: Wanted, target: str | None, quiet: bool) -> int:
                 progress=progress,
             )
         )
-    if target is not None:
-        text = json.dumps(result.to_dict(), indent=1) + "\n"
-        if target == STANDARD_OUTPUT:
-            print(text, end="")
-        else:
-            write_whole(Path(target), text, "--json")
+    write_json(result.to_dict(), target)
     if not quiet and target != STANDARD_OUTPUT:
         _tell(result)
     return EXIT_MET

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from host.cli.campaign_run import check_files
 from host.cli.exit_codes import EXIT_MET
+from host.cli.output_files import check_files
 from host.cli.simulate_run import SLOWEST_HZ, convention_of, rate_of
 from host.cli.terminal import progress_bar, standard_error, standard_output
 from host.record.atomic import write_whole

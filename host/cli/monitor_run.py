@@ -128,8 +128,8 @@ def _source(request: MonitorRequest, once: bool) -> Source:
     if "://" not in request.what and not DEVICE.match(request.what) and not _is_device(path):
         raise UserError(
             f"{request.what!r} is no port, capture or board"
-            f" ({did_you_mean(request.what, board_names(), 'boards by name')}); a port is e.g. /dev/ttyUSB0 or"
-            " socket://127.0.0.1:5760, a capture e.g. runs/first/run.mcap"
+            f" ({did_you_mean(request.what, board_names(), 'boards by name')}); a port is e.g. /dev/ttyUSB0"
+            " or socket://127.0.0.1:5760, a capture e.g. runs/first/run.mcap"
         )
     from host.monitor.port_source import PortSource
 

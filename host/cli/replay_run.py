@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
 from host.capture.places import capture_path
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.output_files import check_files, for_people, write_json
 from host.cli.terminal import (
     print_result,
     print_verdict,
     progress_bar,
     standard_error,
-    standard_output,
 )
-from host.record.atomic import write_whole
 from host.record.errors import UserError
 from host.replay.request import ReplayRequest
 from host.replay.strict import StrictResult, replay_strict
-
-STANDARD_OUTPUT = "-"
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,20 +27,6 @@ class Outputs:
     json: str | None
     quiet: bool
 
-    def console(self) -> Console:
-        """Where people read: not where the JSON goes."""
-        return standard_error() if self.json == STANDARD_OUTPUT else standard_output()
-
-    def write(self, document: dict[str, Any]) -> None:
-        """The JSON, if wanted."""
-        if self.json is None:
-            return
-        text = json.dumps(document, indent=1) + "\n"
-        if self.json == STANDARD_OUTPUT:
-            print(text, end="")
-        else:
-            write_whole(Path(self.json), text, "--json")
-
 
 def replay_strictly(request: ReplayRequest, outputs: Outputs) -> int:
     """Replay, write, print; the exit code."""
@@ -54,11 +34,12 @@ def replay_strictly(request: ReplayRequest, outputs: Outputs) -> int:
         raise UserError(
             f"--set {request.overrides[0]}: a strict replay repeats what was; use --mode physical"
         )
+    check_files(("--json", outputs.json))
     request = replace(request, capture=capture_path(request.capture), notice=standard_error().print)
     with progress_bar(f"replay {request.capture.name}", outputs.quiet) as progress:
         result = replay_strict(replace(request, progress=progress))
-    outputs.write(result.to_dict())
-    _tell(outputs.console(), result)
+    write_json(result.to_dict(), outputs.json)
+    _tell(for_people(outputs.json), result)
     return EXIT_MET if result.ok else EXIT_NOT_MET
 
 
@@ -66,11 +47,12 @@ def replay_physically(request: ReplayRequest, outputs: Outputs) -> int:
     """Replay, write, print; the exit code."""
     from host.replay.physical import replay_physical
 
+    check_files(("--json", outputs.json))
     request = replace(request, capture=capture_path(request.capture), notice=standard_error().print)
     with progress_bar(f"replay {request.capture.name}", outputs.quiet) as progress:
         replayed = replay_physical(replace(request, progress=progress))
-    outputs.write(replayed.to_dict())
-    console = outputs.console()
+    write_json(replayed.to_dict(), outputs.json)
+    console = for_people(outputs.json)
     if not outputs.quiet:
         print_result(console, replayed.result)
     console.print(

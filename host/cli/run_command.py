@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -14,21 +13,19 @@ from host.baseline.comparison import Comparison, compared
 from host.baseline.file import Baseline, parse_tolerance, read_baseline, run_of_result
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.junit import junit_xml
+from host.cli.output_files import check_files, for_people, write_json
 from host.cli.terminal import (
     print_result,
     print_section,
     print_verdict,
     progress_bar,
     standard_error,
-    standard_output,
 )
 from host.record.atomic import write_whole
 from host.record.command_line import command_line
 from host.record.errors import UserError
 from host.record.result import RunRequest, RunResult
 from host.report.markdown import run_summary
-
-STANDARD_OUTPUT = "-"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +52,7 @@ def execute(request: RunRequest, outputs: Outputs) -> int:
         result = run(replace(request, progress=progress, notice=standard_error().print))
     comparison = None if baseline is None else _compared(baseline, result, tolerance)
     _write(result, outputs, command_line(request), comparison)
-    console = standard_error() if outputs.json == STANDARD_OUTPUT else standard_output()
+    console = for_people(outputs.json)
     if not outputs.quiet:
         print_result(console, result)
     print_verdict(console, result)
@@ -95,11 +92,7 @@ def _write(result: RunResult, outputs: Outputs, command: str, comparison: Compar
         document = result.to_dict()
         if comparison is not None:
             document["baseline"] = comparison.to_dict()
-        text = json.dumps(document, indent=1) + "\n"
-        if outputs.json == STANDARD_OUTPUT:
-            print(text, end="")
-        else:
-            write_whole(Path(outputs.json), text, "--json")
+        write_json(document, outputs.json)
     if outputs.junit is not None:
         write_whole(outputs.junit, junit_xml(result, command), "--junit")
     if outputs.markdown is not None:
@@ -111,15 +104,4 @@ def check_places(request: RunRequest, outputs: Outputs) -> None:
     """Tell before a long run that its figures could not be written after it."""
     if request.data_dir is not None and not request.data_dir.is_dir():
         raise UserError(f"--data {request.data_dir}: no such folder; for example --data ~/recordings")
-    files = [("--junit", outputs.junit), ("--markdown", outputs.markdown)]
-    if outputs.json is not None and outputs.json != STANDARD_OUTPUT:
-        files.append(("--json", Path(outputs.json)))
-    for option, path in files:
-        if path is None:
-            continue
-        if path.is_dir():
-            raise UserError(f"{option} {path}: is a folder; name a file, e.g. {option} {path / 'result'}")
-        if not path.parent.is_dir():
-            raise UserError(f"{option} {path}: the folder {path.parent} does not exist")
-        if not os.access(path.parent, os.W_OK):
-            raise UserError(f"{option} {path}: the folder {path.parent} is not writable")
+    check_files(("--json", outputs.json), ("--junit", outputs.junit), ("--markdown", outputs.markdown))

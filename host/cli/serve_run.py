@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from pathlib import Path
 from types import FrameType
 
 from rich.live import Live
 from rich.text import Text
 
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
-from host.cli.run_command import STANDARD_OUTPUT, Outputs, check_places, with_folder
-from host.cli.terminal import print_result, print_verdict, standard_error, standard_output
-from host.record.atomic import write_whole
+from host.cli.output_files import for_people, write_json
+from host.cli.run_command import Outputs, check_places, with_folder
+from host.cli.terminal import print_result, print_verdict, standard_error
 from host.record.errors import UserError
 from host.record.result import RunRequest, RunResult
 from host.serve.endpoint import Tell
@@ -88,7 +86,7 @@ def serve(request: RunRequest, wanted: Wanted, outputs: ServeOutputs) -> int:
 
 def _told(result: RunResult, outputs: ServeOutputs, stopped: bool) -> int:
     """Print the result; a run that was stopped is not judged."""
-    console = standard_error() if outputs.json == STANDARD_OUTPUT else standard_output()
+    console = for_people(outputs.json)
     if not outputs.quiet:
         print_result(console, result)
     if not stopped:
@@ -100,12 +98,7 @@ def _told(result: RunResult, outputs: ServeOutputs, stopped: bool) -> int:
 
 
 def _write(document: dict[str, object], outputs: ServeOutputs) -> None:
-    if outputs.json is not None:
-        text = json.dumps(document, indent=1) + "\n"
-        if outputs.json == STANDARD_OUTPUT:
-            print(text, end="")
-        else:
-            write_whole(Path(outputs.json), text, "--json")
+    write_json(document, outputs.json)
 
 
 def _in_own_folder(request: RunRequest) -> RunRequest:

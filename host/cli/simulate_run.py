@@ -11,8 +11,8 @@ from typing import Any
 
 from boards.hints import did_you_mean
 from boards.places import board_folder, board_names
-from host.cli.campaign_run import check_files
 from host.cli.exit_codes import EXIT_MET
+from host.cli.output_files import check_files
 from host.cli.terminal import progress_bar, standard_error, standard_output
 from host.record.atomic import write_whole
 from host.record.errors import UserError

@@ -115,3 +115,10 @@ def test_bytes_of_nothing_are_counted_and_one_wrong_time_does_not_carry_the_othe
     assert navtwin("capture", "export", capture, "--format", "nmea", "-o", export).exit_code == 0
     assert export.read_bytes() == b"".join(log).replace(b"\x00\x01garbage!", b"")
     assert [row["t_s"] for row in rows(capture, "/gnss")][9:12] == [9.0, 11.0, 12.0]
+
+
+def test_figures_that_could_not_be_written_are_told_before_the_import(tmp_path):
+    (tmp_path / "x.nmea").write_bytes(rmc("120000.00"))
+    figures = tmp_path / "nowhere" / "found.json"
+    said = refused(tmp_path, "nmea", tmp_path / "x.nmea", options=["--json", figures])
+    assert f"--json {figures}: the folder {figures.parent} does not exist" in said

@@ -1,0 +1,47 @@
+"""Files that are asked for besides a run's folder. With `--json -` people read on standard error."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+
+from host.cli.terminal import standard_error, standard_output
+from host.record.atomic import write_whole
+from host.record.errors import UserError
+
+STANDARD_OUTPUT = "-"
+
+
+def write_json(document: Mapping[str, Any], target: str | None) -> None:
+    """The figures, if wanted. Raises UserError when the file cannot be written."""
+    if target is None:
+        return
+    text = json.dumps(document, indent=1) + "\n"
+    if target == STANDARD_OUTPUT:
+        print(text, end="")
+    else:
+        write_whole(Path(target), text, "--json")
+
+
+def for_people(target: str | None) -> Console:
+    """Standard output, unless the figures go there."""
+    return standard_error() if target == STANDARD_OUTPUT else standard_output()
+
+
+def check_files(*files: tuple[str, str | Path | None]) -> None:
+    """Tell before long work that a file could not be written after it. Raises UserError."""
+    for option, name in files:
+        if name is None or str(name) == STANDARD_OUTPUT:
+            continue
+        path = Path(name)
+        if path.is_dir():
+            raise UserError(f"{option} {path}: is a folder; name a file, e.g. {option} {path / 'result'}")
+        if not path.parent.is_dir():
+            raise UserError(f"{option} {path}: the folder {path.parent} does not exist")
+        if not os.access(path.parent, os.W_OK):
+            raise UserError(f"{option} {path}: the folder {path.parent} is not writable")
