@@ -18,7 +18,8 @@ class Sheet:
     lane: int
     waiting: list[Unit] = field(default_factory=list)
     edges: list[Edge] = field(default_factory=list)
-    end_ns: int = -1
+    end_ns: int = -(1 << 62)
+    """Of the unit drawn last."""
     drawn: int = 0
     cut_short: int = 0
 
