@@ -2,11 +2,15 @@
 
 A connection whose first line is no JSON is ended after the answer: a web page that has a browser send its
 request here must not get any further.
+
+Commands have a share of the run's time, however many are sent: after `BUDGET_S` of them they rest for
+`REST` times as long.
 """
 
 from __future__ import annotations
 
 import json
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -19,6 +23,8 @@ from host.serve.stream import Stream
 
 LONGEST_LINE = 1 << 16
 MOST_CLIENTS = 16
+BUDGET_S = 0.001
+REST = 4
 
 
 class ControlChannel:
@@ -31,13 +37,25 @@ class ControlChannel:
         host, port = self._listener.getsockname()[:2]
         self.where = str(Address(host, port))
         self._sessions: list[_Caller] = []
+        self._rest_until_s = 0.0
         hub.watch(self._listener, self._accept)
 
     def attend(self, do: Callable[[Any], Reply]) -> None:
-        """Have done what has been asked by now."""
-        for caller in self._sessions:
-            caller.attend(do)
-        self._sessions = [caller for caller in self._sessions if not caller.over]
+        """Have done what has been asked by now, as far as there is time; who was last comes first then."""
+        begin_s = time.monotonic()
+        if begin_s < self._rest_until_s:
+            return
+        for attended, caller in enumerate(self._sessions, 1):
+            caller.attend(do, begin_s + BUDGET_S)
+            spent_s = time.monotonic() - begin_s
+            if spent_s >= BUDGET_S:
+                self._rest_until_s = begin_s + (1 + REST) * spent_s
+                self._sessions = self._sessions[attended:] + self._sessions[:attended]
+                break
+        gone = [caller for caller in self._sessions if caller.stream.gone]
+        self._sessions = [
+            caller for caller in self._sessions if not (caller.over or caller in gone[:-MOST_CLIENTS])
+        ]
 
     def close(self) -> None:
         """End all connections."""
@@ -51,7 +69,7 @@ class ControlChannel:
             connection, peer = self._listener.accept()
         except OSError:
             return
-        if len(self._sessions) >= MOST_CLIENTS:
+        if sum(not caller.stream.gone for caller in self._sessions) >= MOST_CLIENTS:
             connection.close()
             return
         name = f"control {Address(*peer[:2])}"
@@ -71,20 +89,28 @@ class _Caller:
     @property
     def over(self) -> bool:
         """Whether it has gone and left nothing."""
-        return self.stream.gone and not self.stream.waiting
+        return self.stream.gone and not self.stream.waiting and b"\n" not in self._line
 
-    def attend(self, do: Callable[[Any], Reply]) -> None:
-        """Answer every whole line."""
-        while data := self.stream.take(LONGEST_LINE):
-            self._line += data
-            while (end := self._line.find(b"\n")) >= 0:
-                line = bytes(self._line[:end])
-                del self._line[: end + 1]
-                if line.strip() and not self._answer(line, do):
-                    return
+    def attend(self, do: Callable[[Any], Reply], until_s: float) -> None:
+        """Answer whole lines until `until_s` of time.monotonic()."""
+        while (line := self._next_line()) is not None:
+            if line.strip() and not self._answer(line, do):
+                return
+            if time.monotonic() >= until_s:
+                return
+
+    def _next_line(self) -> bytes | None:
+        while (end := self._line.find(b"\n")) < 0:
             if len(self._line) > LONGEST_LINE:
                 self._refuse(f"a command is one line of at most {LONGEST_LINE} bytes")
-                return
+                return None
+            data = self.stream.take(LONGEST_LINE)
+            if not data:
+                return None
+            self._line += data
+        line = bytes(self._line[:end])
+        del self._line[: end + 1]
+        return line
 
     def _answer(self, line: bytes, do: Callable[[Any], Reply]) -> bool:
         try:

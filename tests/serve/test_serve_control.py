@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
+import time
 
 import pytest
 from served_board import Control, ServedHere
@@ -99,6 +101,36 @@ def test_a_connection_that_does_not_speak_json_is_ended():
         assert board.control.ask("status")["time_s"] == 0.0
         board.control.ask("stop")
         board.ended()
+
+
+def test_commands_without_end_leave_the_run_its_time():
+    """Ten clients ask for figures as fast as they can and never read; one more is still answered."""
+    with ServedHere(None, duration_s=1e6, pace=1.0) as board:
+        board.control.ask("resume")
+        board.control.until(1.0)
+        rude = [Control(board.places["control"]).connection for _ in range(10)]
+        for connection in rude:
+            connection.settimeout(0.01)
+        end = time.monotonic() + 4.0
+        before_s = board.control.ask("status")["running_s"]
+        answers = 0
+        while time.monotonic() < end:
+            for connection in rude:
+                with contextlib.suppress(OSError):
+                    connection.sendall(b'{"command": "metrics"}\n' * 100)
+            answers += board.control.ask("status")["ok"]
+        after = board.control.ask("status")
+        for connection in rude:
+            connection.close()
+        late = [
+            Control(board.places["control"]) for _ in range(5)
+        ]  # what the rude ones left does not hold them up
+        assert all(control.ask("status")["ok"] for control in late)
+        board.control.ask("stop")
+        board.ended()
+    assert answers > 5
+    assert after["running_s"] - before_s >= 4.0
+    assert after["slips"] == 0
 
 
 def test_a_vehicle_that_stands_is_put_elsewhere_and_the_receiver_goes_there(tmp_path):
