@@ -79,6 +79,11 @@ class BusPirate:
         self._to_bitbang()
         self._port.write(bytes((command,)))
         answer = self._read(len(name), REPLY_S)
+        for _ in range(ZEROS):
+            if answer != BITBANG[: len(name)]:
+                break
+            self._read(len(BITBANG) - len(name), REPLY_S)  # a zero's answer that was late
+            answer = self._read(len(name), REPLY_S)
         if answer != name:
             raise BusPirateError(
                 f"{self.url}: the Bus Pirate answers {_shown(answer)} when asked for its mode "

@@ -92,10 +92,13 @@ def test_options_of_commands_exist(words):
     import typer
 
     command = typer.main.get_command(app).commands[words[1]]
+    rest = list(words[2:])
+    while hasattr(command, "commands") and rest and not rest[0].startswith("-"):
+        command = command.commands[rest.pop(0)]
     known = {option for parameter in command.params for option in parameter.opts}
-    for word in words[2:]:
+    for word in rest:
         if word.startswith("-") and len(word) > 1:
-            assert word in known, f"navtwin {words[1]} has no {word}"
+            assert word in known, f"navtwin {command.name} has no {word}"
 
 
 def test_make_targets_of_the_readme_exist():

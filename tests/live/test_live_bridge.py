@@ -90,6 +90,18 @@ def test_a_firmware_without_the_mode_is_told(tmp_path: Path) -> None:
     assert "answers 00 ('.') when asked for its mode I2C1; its firmware lacks that mode" in str(caught.value)
 
 
+def test_late_answers_to_the_zeros_are_not_taken_for_the_mode_s(tmp_path: Path) -> None:
+    bridge = EmulatedBusPirate(spi=Complementing())
+
+    def feed(data: bytes) -> bytes:
+        return (b"BBIO1" * 2 if data == b"\x01" else b"") + bridge.feed(data)
+
+    with PtyPort(tmp_path / "ttyBRIDGE", feed) as port:
+        device = BusPirateSpi(LiveCpu(), str(port.path))
+        assert exchanged(device, b"\x0f") == b"\xf0"
+        device.close()
+
+
 def test_a_setting_that_is_refused_is_told(tmp_path: Path) -> None:
     bridge = EmulatedBusPirate()
 
