@@ -74,6 +74,12 @@ class ImportedContent:
         ends = [float(first[-1, 0]) - self.start_s, self.epochs[-1]["t_s"] if self.epochs else 0.0]
         if truth:
             ends.append(truth[-1]["t_s"])
+        if not any(self.start_s <= row["t_s"] <= float(first[-1, 0]) for row in fixes):
+            raise UserError(
+                f"capture {reader.path}: there is no receiver epoch with a fix from {first[0, 0]:,.3f} to"
+                f" {first[-1, 0]:,.3f} s, where the inertial samples lie: their clocks differ, or the two are"
+                " not of one drive"
+            )
         self.end_ns = math.floor(10.0 * min(ends)) * NS // 10
         if self.end_ns < NS:
             raise UserError(

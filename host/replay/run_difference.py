@@ -77,6 +77,11 @@ def compare_runs(first: Path, second: Path) -> RunDifference:
     """Compare two captures or folders. Raises UserError."""
     a, b = _Run(first), _Run(second)
     divergences, topics = _divergences(a, b)
+    if not topics and not (a.rows and b.rows) and None in (a.state_hash, b.state_hash):
+        raise UserError(
+            f"diff {first} {second}: nothing in them can be compared; they must hold runs of a board: raw"
+            " traffic or solutions (navtwin capture export makes tables of what imports hold)"
+        )
     stages, exceeds = _growth(a, b)
     return RunDifference(
         first=str(first),

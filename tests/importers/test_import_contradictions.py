@@ -23,9 +23,15 @@ def test_clocks_that_differ_between_files_are_told(tmp_path):
     table = np.loadtxt(gnss)
     table[:, 0] += 3600.0
     np.savetxt(gnss, table, fmt="%.9f")
-    report, _ = imported(tmp_path, "kf-gins", imu, gnss, truth)
+    report, capture = imported(tmp_path, "kf-gins", imu, gnss, truth)
     assert kinds(report) == {("no time in common", "/gnss"): 1}
     assert not any("navtwin replay" in use for use in report["uses"])
+    outcome = navtwin("replay", capture, "--board", "car_mems", "--mode", "physical", "-q")
+    assert outcome.exit_code == 2
+    assert "no receiver epoch with a fix" in outcome.stderr
+    outcome = navtwin("diff", capture, capture)
+    assert outcome.exit_code == 2
+    assert "nothing in them can be compared" in outcome.stderr
 
 
 def test_increments_in_degrees_contradict_the_course_of_the_reference(tmp_path):
