@@ -49,8 +49,8 @@ class TenDofWorld(Protocol):
     def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> NDArray[np.float64]:
         """Instantaneous values at `times_ns`, shape (n, 11).
 
-        Columns: those of `ImuWorld.sample`, to which all said there applies, then magnetic flux density x, y, z
-        in T in the chip's own axes, and static pressure in Pa.
+        Columns: those of `ImuWorld.sample`, to which all said there applies, then magnetic flux density
+        x, y, z in T in the chip's own axes, and static pressure in Pa.
         """
         ...
 
