@@ -3,31 +3,23 @@
 from __future__ import annotations
 
 import dataclasses
-import json
 import sys
-from pathlib import Path
 from typing import Any
 
 from host.capture.places import capture_path
 from host.cli.exit_codes import EXIT_MET
+from host.cli.output_files import STANDARD_OUTPUT, check_files, write_json
 from host.cli.terminal import progress_bar
-from host.record.atomic import write_whole
 from host.waves.drawing import WavesRequest, draw
-
-STANDARD_OUTPUT = "-"
 
 
 def make_waves(request: WavesRequest, json_target: str | None, quiet: bool) -> int:
     """Draw, and tell what was drawn."""
+    check_files(("--json", json_target))
     request = dataclasses.replace(request, capture=capture_path(request.capture))
     with progress_bar("waves", quiet) as progress:
         facts = draw(request, progress)
-    if json_target is not None:
-        text = json.dumps(facts, indent=1) + "\n"
-        if json_target == STANDARD_OUTPUT:
-            print(text, end="")
-        else:
-            write_whole(Path(json_target), text, "--json")
+    write_json(facts, json_target)
     if json_target != STANDARD_OUTPUT and not quiet:
         _tell(facts)
     for warning in _warnings(request, facts):
