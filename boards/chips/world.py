@@ -9,7 +9,7 @@ the start of the run, unless a name says otherwise.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,28 @@ class Satellite:
 
 
 @dataclass(frozen=True, slots=True)
+class BaselineSolution:
+    """The vector from a receiver's main antenna to its second one, or the lack of it (`fix` "NONE").
+
+    It is the direction of the baseline, not of the body: who reports a body's angles knows how the antennas
+    sit. Antennas along the body's forward axis: heading and pitch are the body's.
+    """
+
+    fix: Literal["NONE", "FLOAT", "FIXED"]
+    """Carrier ambiguities: unknown, estimated as real numbers (errors far larger), as whole ones."""
+    heading: float
+    """rad from true north, 0 … 2π, clockwise."""
+    pitch: float
+    """rad, −π/2 … π/2, positive when the second antenna is higher."""
+    length: float
+    """m, as estimated."""
+    heading_acc: float
+    pitch_acc: float
+    length_acc: float
+    """1 σ accuracies that the receiver claims: rad, rad, m."""
+
+
+@dataclass(frozen=True, slots=True)
 class GnssEpoch:
     """A receiver's navigation solution valid at one instant, or the lack of one (`fix` False)."""
 
@@ -95,6 +117,8 @@ class GnssEpoch:
     satellites: tuple[Satellite, ...]
     latency_ns: int
     """From the instant of validity to the first byte of output."""
+    baseline: BaselineSolution | None = None
+    """None: the receiver has one antenna."""
 
 
 class GnssWorld(Protocol):
