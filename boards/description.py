@@ -14,6 +14,7 @@ from boards.validation import read_toml, validated
 Matrix3 = tuple[tuple[FiniteFloat, FiniteFloat, FiniteFloat], ...]
 Vector3 = tuple[FiniteFloat, FiniteFloat, FiniteFloat]
 Priority = Annotated[int, Field(ge=0, le=15, examples=[3])]
+INERTIAL_WORLDS = ("imu", "ten_dof")
 PART_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
 """Names of parts become parts of paths ("board.chips.U2.…"), figures ("cpu.mcu.load"), streams and files."""
 
@@ -86,6 +87,11 @@ class Chip(Facts):
     supply: str | None = None
     spi: SpiWords | None = None
     parameters: dict[str, Any] = {}
+
+    @property
+    def is_inertial(self) -> bool:
+        """Whether it feels rate and force: the motion of such a chip is what a board computes."""
+        return self.world in INERTIAL_WORLDS
 
     @model_validator(mode="after")
     def _mounting_is_a_rotation(self) -> Chip:
