@@ -40,7 +40,7 @@ def quantity(board_name: str, asked: str) -> Quantity | None:
 
 def _bus_clock(board: Board, part: str) -> Quantity:
     """Of the inertial sensor's bus, unless one is named."""
-    buses = [chip.bus for chip in board.chips.values() if chip.world == "imu" and chip.bus is not None]
+    buses = [chip.bus for chip in board.chips.values() if chip.is_inertial and chip.bus is not None]
     name = part or (buses[0] if buses else "")
     if name not in board.buses:
         raise LookupError(f"{board.name} has no bus {name!r}; it has: {', '.join(board.buses) or 'none'}")

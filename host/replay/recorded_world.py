@@ -154,7 +154,9 @@ class RecordedVehicle:
         source = name if name in samples else next(iter(samples))
         return FeltImu(samples[source], self._capture.mountings[source], mounting)
 
-    def gnss(self, name: str, lever_arm: Array) -> RecordedEpochs:
+    def gnss(
+        self, name: str, lever_arm: Array, second_lever_arm: Array | None = None
+    ) -> RecordedEpochs:
         """The recorded receiver."""
         return RecordedEpochs(self._capture.epochs, self._capture.climbs, self._scenario, self.outages)
 
@@ -246,6 +248,6 @@ class CaptureContent:
             raise UserError(
                 f"capture {reader.path}: no inertial samples in it; known are the parts {', '.join(DECODERS)}"
             )
-        sensors = [chip for chip in recorded_board.chips.values() if chip.world == "imu"]
+        sensors = [chip for chip in recorded_board.chips.values() if chip.is_inertial]
         self.road_lever_arm = np.array(sensors[0].lever_arm_m)
         """The road is that of the recorded sensor."""

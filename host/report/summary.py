@@ -43,7 +43,7 @@ def sections(result: RunResult) -> list[Section]:
     """All tables that have anything to say, the verdict first."""
     made = [
         _expectations(result),
-        _errors(result) if _scored_beside_gnss(result) else _continuous_errors(result),
+        _errors(result) if _scored_beside_gnss(result) else _errors_alone(result),
         _quality(result),
         _outages(result),
         *_recording(result),
@@ -101,19 +101,20 @@ def _errors(result: RunResult) -> Section:
 
 def _scored_beside_gnss(result: RunResult) -> bool:
     """Whether there were epochs of a receiver to score on."""
-    return any(result.metrics.get(f"{name}_rms_{unit}") is not None for _, name, unit in ERRORS)
+    return any(result.gnss.get(f"{name}_rms_{unit}") is not None for _, name, unit in ERRORS)
 
 
-def _continuous_errors(result: RunResult) -> Section:
-    """For a board without receiver, or without a fix: all its solutions."""
+def _errors_alone(result: RunResult) -> Section:
+    """For a board without receiver all its solutions; without a fix those from a while after alignment."""
+    without_receiver = any(result.metrics.get(f"{name}_rms_{unit}") is not None for _, name, unit in ERRORS)
+    head = "" if without_receiver else "continuous_"
     rows = []
     for label, name, unit in ERRORS:
-        figures = [
-            result.metrics.get(f"continuous_{name}_{figure}_{unit}") for figure in ("rms", "p95", "max")
-        ]
+        figures = [result.metrics.get(f"{head}{name}_{figure}_{unit}") for figure in ("rms", "p95", "max")]
         if any(value is not None for value in figures):
             rows.append((f"{label}, {UNITS[unit]}", *map(number, figures)))
-    note = "every solution from a while after alignment; there are no epochs of a receiver to score on"
+    begin = "the end of the alignment" if without_receiver else "a while after alignment"
+    note = f"every solution from {begin} on; there are no epochs of a receiver to score on"
     return Section("Errors against the truth", ("error", "RMS", "95 %", "max"), tuple(rows), note=note)
 
 

@@ -40,7 +40,7 @@ from host.sim.world import World
 CHUNK_NS = 120 * SECOND
 """Virtual time after which, at the latest, what has come over the wires is looked at: many rows at a time."""
 TRACE_AT_NS = 100 * SECOND
-RECORDING_RULES = ScoringRules(after_alignment_s=10.0)
+RECORDING_GRACE_S = 10.0
 """A recording is a minute long: a minute of grace would leave nothing to score."""
 
 
@@ -157,7 +157,7 @@ def session_in_world(
         request.out_dir,
         capture=request.capture,
         outages=outages,
-        rules=RECORDING_RULES if recording else None,
+        rules=_rules(setup, recording),
         fit_recording=recording,
     ) as recorder:
         session = RunSession(request, setup, world, ready, recorder)
@@ -181,13 +181,21 @@ def manifest_of(request: RunRequest, setup: Setup) -> dict[str, Any]:
     )
 
 
+def _rules(setup: Setup, recording: bool) -> ScoringRules:
+    usual = ScoringRules()
+    return ScoringRules(
+        after_alignment_s=RECORDING_GRACE_S if recording else usual.after_alignment_s,
+        at_receiver_epochs=any(chip.world == "gnss" for chip in setup.board.chips.values()),
+    )
+
+
 def _only_sight(surroundings: Surroundings) -> ReceiverSight | None:
     return next(iter(surroundings.sights.values()), None)
 
 
 def _installation(setup: Setup) -> Installation:
     chips = setup.board.chips.values()
-    imu = next((chip for chip in chips if chip.world == "imu"), None)
+    imu = next((chip for chip in chips if chip.is_inertial), None)
     receiver = next((chip for chip in chips if chip.world == "gnss"), None)
     return Installation(
         C_b_s=np.array(imu.mounting) if imu else np.eye(3),

@@ -1,5 +1,7 @@
 """Which epochs count: one rule for the fused solution and for the receiver alone.
 
+A board without a receiver is scored on all its navigation solutions from the end of the alignment on.
+
 An epoch of the receiver counts when its fix is valid, at least `after_reacquisition_s` after the first fix
 that followed a gap, and at least `after_alignment_s` after the board first reported navigation. Alignment is
 taken once: a board that falls back to alignment later gains no new grace (see `availability`).
@@ -18,10 +20,11 @@ ROUNDING_S = 1e-6
 
 @dataclass(frozen=True, slots=True)
 class ScoringRules:
-    """Grace periods in s."""
+    """Grace periods in s, and whether the board has a receiver at whose epochs it is scored."""
 
     after_reacquisition_s: float = 10.0
     after_alignment_s: float = 60.0
+    at_receiver_epochs: bool = True
 
 
 class FixHistory:

@@ -4,6 +4,7 @@ Fused solution and receiver alone are scored on the same epochs: each receiver e
 `host.score.rules`) gives one receiver error, against the truth at the antenna, and one error of the fused
 solution, interpolated linearly between the two solutions around the same instant of validity. A solution
 that is missing, not finite or not of a navigation mode there is not scored (`epochs_without_solution`).
+Without a receiver every solution counts (`at_receiver_epochs` of the rules).
 `availability` is the share of the seconds from alignment to the end of the run with a navigation solution.
 
 Solutions, receiver epochs and covariances reach the host at different delays, so judgement waits
@@ -95,8 +96,16 @@ class Scorer:
         self._out_of_order += self._recent.add(solution.t, np.where(navigating[:, None], errors, np.nan))
         late = solution.t >= self._aligned_at_s + self._rules.after_alignment_s
         self._continuous.add(errors[navigating & late])
+        if not self._rules.at_receiver_epochs:
+            self._score_all(errors, navigating, solution.t >= self._aligned_at_s)
         self._judge(self._recent.newest - HOLD_BACK_S)
         return errors
+
+    def _score_all(self, errors: Floats, navigating: NDArray[np.bool_], aligned: NDArray[np.bool_]) -> None:
+        """Every solution counts, once there was one."""
+        self._fused.add(errors[navigating])
+        self._epochs += int(np.count_nonzero(aligned))
+        self._missing += int(np.count_nonzero(aligned & ~navigating))
 
     def _count_seconds(self, t: Floats) -> None:
         seconds = np.unique(np.floor(t).astype(np.int64))
