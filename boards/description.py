@@ -83,6 +83,8 @@ class Chip(Facts):
     errors: str | None = None
     mounting: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     lever_arm_m: Vector3 = (0.0, 0.0, 0.0)
+    second_antenna_m: Vector3 | None = None
+    """Of a receiver with two antennas; `lever_arm_m` is the main one's place."""
     pins: dict[str, str] = {}
     supply: str | None = None
     spi: SpiWords | None = None

@@ -12,7 +12,15 @@ from host.record.command_line import toml
 from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.run.faults import KINDS
-from host.sim.gnss.faults import GNSS_FAULT_KINDS, JAMMING, POSITION_JUMP, SPOOFING, TIME_JUMP
+from host.sim.gnss.faults import (
+    BASELINE_JUMP,
+    BASELINE_LOST,
+    GNSS_FAULT_KINDS,
+    JAMMING,
+    POSITION_JUMP,
+    SPOOFING,
+    TIME_JUMP,
+)
 
 NO_FAULT = "[]"
 
@@ -91,6 +99,10 @@ def _receivers(board: Board) -> list[str]:
     return [refdes for refdes, chip in board.chips.items() if chip.world == "gnss"]
 
 
+def _receivers_with_two_antennas(board: Board) -> list[str]:
+    return [refdes for refdes in _receivers(board) if board.chips[refdes].second_antenna_m is not None]
+
+
 def _processors(board: Board) -> list[str]:
     return list(board.processors)
 
@@ -114,6 +126,8 @@ TARGETS: dict[str, Callable[[Board], list[str]]] = {
     POSITION_JUMP: _receivers,
     SPOOFING: _receivers,
     JAMMING: _receivers,
+    BASELINE_LOST: _receivers_with_two_antennas,
+    BASELINE_JUMP: _receivers_with_two_antennas,
 }
 AT_ONCE = ("chip-reset", "uart-garbage", "nav-nan", "cpu-reset")
 """Faults that have no duration."""
@@ -122,5 +136,6 @@ PARAMETERS: dict[str, tuple[tuple[str, float], ...]] = {
     POSITION_JUMP: (("north_m", 100.0),),
     SPOOFING: (("north_mps", 2.0),),
     JAMMING: (("loss_db", 12.0),),
+    BASELINE_JUMP: (("heading_deg", 5.0),),
     "uart-garbage": (("length", 20_000),),
 }

@@ -39,6 +39,10 @@ def simulate_command(
     antenna: Annotated[
         str, typer.Option("--antenna", metavar="X,Y,Z", help="Lever arm forward, right, down, m.")
     ] = "0,0,0",
+    second_antenna: Annotated[
+        str | None,
+        typer.Option("--second-antenna", metavar="X,Y,Z", help="Of a receiver that measures the baseline."),
+    ] = None,
     mag_rate: Annotated[str, typer.Option("--mag-rate", metavar="HZ", help="Magnetometer; 0: none.")] = "0",
     baro_rate: Annotated[str, typer.Option("--baro-rate", metavar="HZ", help="Barometer; 0: none.")] = "0",
     seed: Annotated[int, typer.Option("--seed", parser=whole_number, metavar="N")] = 1,
@@ -60,7 +64,8 @@ def simulate_command(
         from host.cli.simulate_run import Asked, Rates, execute
 
         rates = Rates(rate, gnss_rate, mag_rate, baro_rate)
-        asked = Asked(scenario, output, form, rates, samples, antenna, seed, tuple(changes or ()))
+        antennas = (antenna, second_antenna)
+        asked = Asked(scenario, output, form, rates, samples, antennas, seed, tuple(changes or ()))
         return execute(asked, json, quiet)
 
     guarded(command, NOTHING_KEPT)

@@ -50,7 +50,7 @@ class Asked:
     form: str | None
     rates: Rates
     samples: str | None
-    antenna: str
+    antennas: tuple[str, str | None]
     seed: int
     changes: tuple[str, ...]
 
@@ -98,6 +98,7 @@ def _request(asked: Asked, form: Format | None) -> Request:
         )
     if not 0 <= asked.seed <= LARGEST_SEED:
         raise UserError(f"--seed {asked.seed}: must lie in 0 … {LARGEST_SEED}; for example --seed 1")
+    antenna, second = asked.antennas
     magnetometer_hz = rate_of("--mag-rate", asked.rates.magnetometer, least=Fraction(0))
     barometer_hz = rate_of("--baro-rate", asked.rates.barometer, least=Fraction(0))
     if magnetometer_hz:
@@ -108,7 +109,8 @@ def _request(asked: Asked, form: Format | None) -> Request:
         rate_hz=rate_of("--rate", asked.rates.imu, least=SLOWEST_HZ),
         gnss_rate_hz=rate_of("--gnss-rate", asked.rates.gnss, least=Fraction(0)),
         convention=convention_of(asked.samples, form),
-        antenna_m=_lever(asked.antenna),
+        antenna_m=_lever("--antenna", antenna),
+        second_antenna_m=None if second is None else _lever("--second-antenna", second),
         magnetometer_hz=magnetometer_hz,
         barometer_hz=barometer_hz,
     )
@@ -142,13 +144,13 @@ def convention_of(text: str | None, form: Format | None) -> Convention:
     return wanted
 
 
-def _lever(text: str) -> tuple[float, float, float]:
+def _lever(option: str, text: str) -> tuple[float, float, float]:
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:
-        raise UserError(f"--antenna {text}: must be three lengths in m; e.g. --antenna 0.5,0,-1.2") from None
+        raise UserError(f"{option} {text}: must be three lengths in m; e.g. {option} 0.5,0,-1.2") from None
     if not all(math.isfinite(value) and abs(value) <= LONGEST_LEVER_M for value in (x, y, z)):
-        raise UserError(f"--antenna {text}: each must lie within ±{LONGEST_LEVER_M:g} m; e.g. 0.5,0,-1.2")
+        raise UserError(f"{option} {text}: each must lie within ±{LONGEST_LEVER_M:g} m; e.g. 0.5,0,-1.2")
     return x, y, z
 
 
@@ -165,6 +167,7 @@ def _about(asked: Asked, request: Request, drive: Drive) -> dict[str, Any]:
         "magnetometer_rate_hz": float(request.magnetometer_hz),
         "barometer_rate_hz": float(request.barometer_hz),
         "antenna_m": list(request.antenna_m),
+        "second_antenna_m": request.second_antenna_m,
         "start_utc": request.scenario.start.utc,
         "samples": drive.samples,
         "gnss_epochs": drive.epochs,

@@ -81,7 +81,8 @@ class Surroundings:
 
     def gnss(self, refdes: str, chip: Chip) -> GnssWorld:
         """Satellites and errors of one receiver."""
-        self.sights[refdes] = ReceiverSight(self.world.gnss(refdes, np.array(chip.lever_arm_m)))
+        second = None if chip.second_antenna_m is None else np.array(chip.second_antenna_m)
+        self.sights[refdes] = ReceiverSight(self.world.gnss(refdes, np.array(chip.lever_arm_m), second))
         return self.sights[refdes]
 
     def compass(self, refdes: str, chip: Chip) -> CompassWorld:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from host.sim.errors.drawn import draw_specimen
 from host.sim.errors.inertial_sensor import InertialSensor
 from host.sim.errors.presets import load_preset, with_overrides
-from host.sim.gnss.receiver import SimulatedReceiver
+from host.sim.gnss.receiver import SecondAntenna, SimulatedReceiver
 from host.sim.gnss.schedule import Window, window
 from host.sim.gnss.tunnels import with_tunnels
 from host.sim.scenario.errors import ScenarioError
@@ -29,6 +29,7 @@ DEG = math.pi / 180.0
 SWAY_SINUSOIDS = 6
 VIBRATION_SINUSOIDS = 8
 DEFAULT_PRESET = "bmi160"
+SHORTEST_BASELINE_M = 0.1
 Array = NDArray[np.float64]
 
 
@@ -59,8 +60,8 @@ class SimulatedVehicle:
         self.sensors[name] = sensor
         return sensor
 
-    def gnss(self, name: str, lever_arm: Array) -> SimulatedReceiver:
-        """A receiver with its antenna at `lever_arm`."""
+    def gnss(self, name: str, lever_arm: Array, second_lever_arm: Array | None = None) -> SimulatedReceiver:
+        """A receiver with its antenna at `lever_arm`, and a second one, if it has two."""
         scenario = self._scenario
         place = scenario.place
         assert place is not None  # the schema asks for it
@@ -78,9 +79,25 @@ class SimulatedVehicle:
             place.geoid_separation_m,
             self._seed,
             self.outages,
+            None if second_lever_arm is None else self._second_antenna(name, lever, second_lever_arm),
         )
         self._receivers.append(receiver)
         return receiver
+
+    def _second_antenna(self, name: str, first: Array, second: Array) -> SecondAntenna:
+        arm = np.asarray(second, dtype=np.float64) - first
+        length_m = float(np.linalg.norm(arm))
+        if length_m < SHORTEST_BASELINE_M:
+            raise ScenarioError(
+                f"receiver {name}: its antennas are {length_m:g} m apart; at least {SHORTEST_BASELINE_M:g} m,"
+                " for example second_antenna_m = [1.0, 0.0, 0.0]"
+            )
+
+        def truth(times_ns: NDArray[np.int64]) -> Array:
+            c_nb: Array = self.motion.rows(times_ns)[:, C_NB : C_NB + 9].reshape(-1, 3, 3)
+            return c_nb @ arm
+
+        return SecondAntenna(truth, length_m)
 
     def _places(self, times_ns: NDArray[np.int64]) -> tuple[Array, Array]:
         rows = self.motion.rows(times_ns)

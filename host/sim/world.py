@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from boards.chips.world import CompassWorld, GnssWorld, ImuWorld, TenDofWorld
 from host.sim.compass import FeltCompass
-from host.sim.gnss.faults import glitches_of
+from host.sim.gnss.faults import glitches_of, refuse_baseline_faults
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.gnss.schedule import Window
 from host.sim.scenario.errors import ScenarioError
@@ -32,8 +32,8 @@ class Vehicle(Protocol):
         """The world of an inertial sensor."""
         ...
 
-    def gnss(self, name: str, lever_arm: Array) -> GnssWorld:
-        """The world of a receiver."""
+    def gnss(self, name: str, lever_arm: Array, second_lever_arm: Array | None = None) -> GnssWorld:
+        """The world of a receiver; ScenarioError when it cannot have two antennas."""
         ...
 
     def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
@@ -85,13 +85,19 @@ class World:
         lever = np.zeros(3) if lever_arm is None else np.asarray(lever_arm, dtype=np.float64)
         return self._vehicle.imu(name, rotation, lever, preset)
 
-    def gnss(self, name: str, lever_arm: Array | None = None) -> GnssWorld:
+    def gnss(
+        self, name: str, lever_arm: Array | None = None, second_lever_arm: Array | None = None
+    ) -> GnssWorld:
         """The world of the receiver `name` with its antenna at `lever_arm` (body axes, m).
 
+        With `second_lever_arm` its epochs have a `baseline`, from the one antenna to the other (a recorded
+        drive knows none).
         With faults of its own it has `glitches`, which count how often they struck.
         """
         lever = np.zeros(3) if lever_arm is None else np.asarray(lever_arm, dtype=np.float64)
-        receiver = self._vehicle.gnss(name, lever)
+        receiver = self._vehicle.gnss(name, lever, second_lever_arm)
+        if second_lever_arm is None:
+            refuse_baseline_faults(self.scenario.fault, name)
         glitches = glitches_of(self.scenario.fault, name, self.duration_ns, self.seed)
         return GlitchedReceiver(receiver, glitches) if glitches else receiver
 

@@ -32,11 +32,11 @@ from host.sim.mechanization import (
     invert,
 )
 from host.sim.trajectory.kinematics import C_NB, FORCE, OMEGA_IB, ROW
-from host.simulate.ambient import Ambient
 from host.simulate.flyable import Flyable
 from host.simulate.formats.known import Format
 from host.simulate.instants import NS, count_within, instants
 from host.simulate.part_files import PartFiles
+from host.simulate.source import SideTable
 from host.simulate.stream import BLOCK, Block, Convention
 
 Floats = NDArray[np.float64]
@@ -55,7 +55,7 @@ class Inverse:
     convention: Convention
     start_gps_ns: int
     epochs: int = 0
-    ambients: tuple[Ambient, ...] = ()
+    side_tables: tuple[SideTable, ...] = ()
 
     @property
     def duration_ns(self) -> int:

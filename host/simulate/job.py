@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from boards.chips.world import GnssEpoch
+from host.simulate.baseline_rows import BASELINE_NAME
 from host.simulate.formats.known import Format
 from host.simulate.formats.writer import Writer
 from host.simulate.part_files import PartFiles
@@ -54,27 +55,33 @@ def simulate(
             due, waiting = _until(end_ns, waiting, epochs)
             if writer is not None:
                 writer.add_block(block)
-                if due:
-                    writer.add_gnss(gnss_rows(due))
+                _add_epochs(drive, writer, due)
                 _add_ambients(drive, writer, told_ns, end_ns)
             told_ns = end_ns
             if progress is not None:
                 progress(end_ns / NS, drive.duration_ns / NS)
         rest, _ = _until(drive.duration_ns, waiting, epochs)
         if writer is not None:
-            if rest:
-                writer.add_gnss(gnss_rows(rest))
+            _add_epochs(drive, writer, rest)
             _add_ambients(drive, writer, told_ns, drive.duration_ns)
             writer.finish()
     wall_s = time.perf_counter() - begin
     return Simulated(samples, drive.epochs, drive.duration_ns / NS, wall_s, tuple(files.paths))
 
 
+def _add_epochs(drive: Drive, writer: Writer, epochs: list[tuple[int, GnssEpoch]]) -> None:
+    if not epochs:
+        return
+    writer.add_gnss(gnss_rows(epochs))
+    if drive.request.second_antenna_m is not None:
+        writer.add_side(BASELINE_NAME, drive.baseline_rows(epochs))
+
+
 def _add_ambients(drive: Drive, writer: Writer, after_ns: int, end_ns: int) -> None:
     for ambient in drive.ambients:
         rows = drive.ambient_rows(ambient, after_ns, end_ns)
         if len(rows):
-            writer.add_ambient(ambient.sensor.name, rows)
+            writer.add_side(ambient.sensor.name, rows)
 
 
 def _until(

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import contextlib
+import tempfile
 from pathlib import Path
 from types import TracebackType
-from typing import BinaryIO, Self
+from typing import IO, BinaryIO, Self
 
 from host.record.errors import UserError
 
@@ -18,6 +19,7 @@ class PartFiles:
 
     def __init__(self) -> None:
         self._open: list[tuple[Path, BinaryIO]] = []
+        self._asides = contextlib.ExitStack()
 
     def open(self, path: Path) -> BinaryIO:
         """A new one, for binary writing."""
@@ -28,6 +30,13 @@ class PartFiles:
             raise UserError(f"-o {path}: cannot be written: {error.strerror}") from None
         self._open.append((path, file))
         return file
+
+    def aside(self, path: Path) -> IO[bytes]:
+        """A nameless file for what is written into the one at `path` later; it goes with the `with` block."""
+        try:
+            return self._asides.enter_context(tempfile.TemporaryFile(dir=path.parent))
+        except OSError as error:
+            raise UserError(f"-o {path}: cannot be written: {error.strerror}") from None
 
     @property
     def paths(self) -> list[Path]:
@@ -50,6 +59,8 @@ class PartFiles:
             self._remove()
             raise self._told(failed) from None
         finally:
+            with contextlib.suppress(OSError):  # a full disk: what is in their buffers is not wanted
+                self._asides.close()
             if kind is not None:
                 self._remove()
         if isinstance(error, OSError):

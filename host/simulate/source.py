@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Protocol
 
-from host.simulate.ambient import Ambient
-from host.simulate.stream import Convention
+from host.record.tables import Table
+from host.simulate.convention import Convention
+
+
+@dataclass(frozen=True, slots=True)
+class SideTable:
+    """Rows that are written as a file, member or topic of their own, called `name`."""
+
+    name: str
+    table: Table
 
 
 class Source(Protocol):
@@ -27,8 +36,8 @@ class Source(Protocol):
         ...
 
     @property
-    def ambients(self) -> tuple[Ambient, ...]:
-        """Magnetometer and barometer, where there are."""
+    def side_tables(self) -> tuple[SideTable, ...]:
+        """What comes at rates of its own: magnetometer, barometer, baseline, where there are."""
         ...
 
     @property

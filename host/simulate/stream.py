@@ -8,22 +8,26 @@ that of a density over half the sample rate, whichever of these it is.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from fractions import Fraction
 
 import numpy as np
 from numpy.typing import NDArray
 
-from boards.chips.world import GnssEpoch
+from boards.chips.world import GnssEpoch, GnssWorld
+from host.sim.gnss.faults import GNSS_FAULT_KINDS, glitches_of, refuse_baseline_faults
+from host.sim.gnss.glitched import GlitchedReceiver
+from host.sim.magnetic_field import MagneticField
 from host.sim.scenario.schema import Scenario
 from host.sim.simulated import SimulatedVehicle
 from host.sim.trajectory.joints import Joints, examine
-from host.sim.trajectory.kinematics import FORCE, OMEGA_DOT, OMEGA_IB
+from host.sim.trajectory.kinematics import C_NB, FORCE, OMEGA_DOT, OMEGA_IB
 from host.simulate.ambient import Ambient, Barometer, Magnetometer
+from host.simulate.baseline_rows import BASELINE, BASELINE_NAME, baseline_rows
+from host.simulate.convention import Convention
 from host.simulate.instants import NS, count_within, instants
-from host.simulate.magnetic_field import MagneticField
+from host.simulate.source import SideTable
 
 BLOCK = 4096
 """Samples at a time: little enough for the processor's cache."""
@@ -31,14 +35,6 @@ IMU, RECEIVER = "imu", "gnss"
 BOOLE = np.array([7.0, 32.0, 12.0, 32.0, 7.0]) / 90.0
 
 Floats = NDArray[np.float64]
-
-
-class Convention(StrEnum):
-    """What a sample stands for."""
-
-    INSTANT = "instant"
-    MEAN = "mean"
-    INCREMENT = "increment"
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +60,8 @@ class Request:
     """0: no receiver."""
     convention: Convention = Convention.INSTANT
     antenna_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    second_antenna_m: tuple[float, float, float] | None = None
+    """Of a receiver with two."""
     magnetometer_hz: Fraction = Fraction(0)
     barometer_hz: Fraction = Fraction(0)
 
@@ -75,12 +73,20 @@ class Drive:
         self.request = request
         self._vehicle = SimulatedVehicle(request.scenario, request.seed)
         self._imu = self._vehicle.imu(IMU, np.eye(3), np.zeros(3))
-        self._receiver = self._vehicle.gnss(RECEIVER, np.array(request.antenna_m))
         self.duration_ns = self._vehicle.duration_ns
+        self._receiver = _receiver(request, self._vehicle)
         self._intervals = count_within(request.rate_hz, self.duration_ns)
         rate = request.gnss_rate_hz
         self.epochs = count_within(rate, self.duration_ns) + 1 if rate else 0
         self.ambients = tuple(_ambients(request))
+
+    @property
+    def side_tables(self) -> tuple[SideTable, ...]:
+        """Of magnetometer, barometer and the two antennas' baseline, where there are."""
+        tables = [SideTable(one.sensor.name, one.sensor.table) for one in self.ambients]
+        if self.request.second_antenna_m is not None and self.epochs:
+            tables.append(SideTable(BASELINE_NAME, BASELINE))
+        return tuple(tables)
 
     @property
     def samples(self) -> int:
@@ -115,6 +121,14 @@ class Drive:
             for time_ns in instants(self.request.gnss_rate_hz, first, count).tolist():
                 yield time_ns, self._receiver.epoch(time_ns)
 
+    def baseline_rows(self, epochs: Sequence[tuple[int, GnssEpoch]]) -> Floats:
+        """Rows of the baseline's table for epochs of this drive, beside the truth."""
+        times_ns = np.array([time_ns for time_ns, _ in epochs], dtype=np.int64)
+        c_nb = self._vehicle.motion.rows(times_ns)[:, C_NB : C_NB + 9].reshape(-1, 3, 3)
+        assert self.request.second_antenna_m is not None
+        arm = np.array(self.request.second_antenna_m) - np.array(self.request.antenna_m)
+        return baseline_rows(epochs, c_nb @ arm)
+
     def ambient_rows(self, ambient: Ambient, after_ns: int, end_ns: int) -> Floats:
         """Rows of a magnetometer or barometer at its instants after one time (−1: from the first on) and up
         to another; to be asked for in order."""
@@ -147,6 +161,18 @@ class Drive:
             felt[:, :6] *= lengths
             rows[:, signals] *= lengths
         return Block(times_ns, felt, rows)
+
+
+def _receiver(request: Request, vehicle: SimulatedVehicle) -> GnssWorld:
+    """The receiver with all faults of the scenario that strike one, whatever it is called there."""
+    second = None if request.second_antenna_m is None else np.array(request.second_antenna_m)
+    receiver = vehicle.gnss(RECEIVER, np.array(request.antenna_m), second)
+    named = [fault for fault in request.scenario.fault if fault.kind in GNSS_FAULT_KINDS]
+    for fault in named if second is None else ():
+        refuse_baseline_faults([fault], fault.target)
+    struck = [fault.model_copy(update={"target": RECEIVER}) for fault in named]
+    glitches = glitches_of(struck, RECEIVER, vehicle.duration_ns, request.seed)
+    return GlitchedReceiver(receiver, glitches) if glitches else receiver
 
 
 def _ambients(request: Request) -> Iterator[Ambient]:

@@ -11,7 +11,7 @@ from host.cli.main import app
 from host.run.faults import KINDS
 from host.sim.errors.schema import AccelerometerErrors, GyroErrors, Temperature
 from host.sim.gnss.faults import GNSS_FAULT_KINDS
-from host.sim.gnss.settings import GnssSettings
+from host.sim.gnss.settings import BaselineSettings, GnssSettings
 from host.sim.scenario.composite_schema import CompositeModel
 from host.sim.scenario.motion_schema import SegmentModel
 from host.sim.scenario.schema import (
@@ -33,7 +33,7 @@ FORBIDDEN = re.compile(r"/work/|/tmp/|\.\./shared|\bissue \d|#\d+\b|TODO|FIXME",
 HEADED = {
     "place": Place, "start": Start, "initial": Initial, "trajectory": Trajectory, "sway": Sway,
     "vibration": Vibration, "gnss": GnssSettings, "outage": OutageWindow, "fault": Fault,
-    "recording": RecordingSource,
+    "recording": RecordingSource, "gnss.baseline": BaselineSettings,
 }  # fmt: skip
 COMMANDS = [words for page in NAMES for words in commands(page) if words[0] == "navtwin"]
 

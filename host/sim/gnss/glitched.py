@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from boards.chips.world import GnssEpoch, GnssWorld
 from host.sim.earth import radians_per_metre
+from host.sim.gnss.baseline import NO_BASELINE, turned
 from host.sim.gnss.schedule import NS, Glitch
 
 
@@ -31,6 +32,7 @@ class GlitchedReceiver:
 def _struck(epoch: GnssEpoch, glitch: Glitch, time_ns: int) -> GnssEpoch:
     if glitch.jamming is not None:
         return glitch.jamming.jammed(epoch)
+    epoch = _baseline_struck(epoch, glitch)
     pull = glitch.pull_ned_mps
     pulled_s = (time_ns - glitch.window.start_ns) / NS
     north, east, down = (
@@ -46,3 +48,11 @@ def _struck(epoch: GnssEpoch, glitch: Glitch, time_ns: int) -> GnssEpoch:
         height=epoch.height - down,
         velocity_ned=(vn + pull[0], ve + pull[1], vd + pull[2]),
     )
+
+
+def _baseline_struck(epoch: GnssEpoch, glitch: Glitch) -> GnssEpoch:
+    if epoch.baseline is None or epoch.baseline.fix == "NONE":
+        return epoch
+    if glitch.baseline_lost:
+        return replace(epoch, baseline=NO_BASELINE)
+    return replace(epoch, baseline=turned(epoch.baseline, *glitch.baseline_turn))

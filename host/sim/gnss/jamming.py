@@ -12,13 +12,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from boards.chips.world import GnssEpoch, Satellite
+from boards.chips.world import BaselineSolution, GnssEpoch, Satellite
 from host.sim.earth import radians_per_metre
+from host.sim.gnss.baseline import NO_BASELINE, turned
 from host.sim.gnss.constellation import NO_DOP, dilutions
 from host.sim.seeding import NormalRows
 
 USED_DBHZ, TRACKED_DBHZ = 25.0, 20.0
-CHANNELS = tuple(f"{kind}_{axis}" for kind in ("position", "velocity") for axis in ("north", "east", "down"))
+CHANNELS = (
+    *(f"{kind}_{axis}" for kind in ("position", "velocity") for axis in ("north", "east", "down")),
+    *("heading", "pitch"),
+)
 
 
 class Jamming:
@@ -37,13 +41,14 @@ class Jamming:
             epoch, satellites=tuple(satellites), pdop=pdop, hdop=hdop, vdop=vdop, tdop=tdop, fix=False
         )
         if not epoch.fix or hdop == NO_DOP:
-            return weak
+            return weak if weak.baseline is None else replace(weak, baseline=NO_BASELINE)
         growth = 10.0 ** (self._loss_db / 20.0)
         h, v, s = (
             growth * max(1.0, now / before)
             for now, before in ((hdop, epoch.hdop), (vdop, epoch.vdop), (pdop, epoch.pdop))
         )
-        return replace(_noisier(weak, (h, v, s), normals), fix=True)
+        baseline = None if weak.baseline is None else _noisier_baseline(weak.baseline, s, normals[6:])
+        return replace(_noisier(weak, (h, v, s), normals), fix=True, baseline=baseline)
 
     def _weaker(self, satellite: Satellite) -> Satellite:
         left = satellite.cn0_dbhz - self._loss_db
@@ -70,3 +75,14 @@ def _noisier(epoch: GnssEpoch, growths: tuple[float, float, float], normals: Seq
         v_acc=epoch.v_acc * v,
         s_acc=epoch.s_acc * s,
     )
+
+
+def _noisier_baseline(
+    solution: BaselineSolution, growth: float, normals: Sequence[float]
+) -> BaselineSolution:
+    """σ of heading and pitch times the growth (≥ 1)."""
+    if solution.fix == "NONE":
+        return solution
+    more = math.sqrt(growth * growth - 1.0)
+    weak = replace(solution, heading_acc=growth * solution.heading_acc, pitch_acc=growth * solution.pitch_acc)
+    return turned(weak, more * solution.heading_acc * normals[0], more * solution.pitch_acc * normals[1])

@@ -8,17 +8,27 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from boards.chips.world import GnssEpoch
 from host.sim.earth import radians_per_metre
 from host.sim.errors.processes import Process, ProcessBank
 from host.sim.gnss.ahead import AntennaAhead, AntennaTruth
+from host.sim.gnss.baseline import Baseline, BaselineTruth
 from host.sim.gnss.schedule import Window, held
 from host.sim.gnss.settings import GnssSettings
 from host.sim.gnss.slow_sky import NS, SlowSky
 from host.sim.seeding import NormalRows, generator
 
 LEAST_LATENCY_S = 0.01
+
+
+@dataclass(frozen=True, slots=True)
+class SecondAntenna:
+    """Where it is, seen from the main one."""
+
+    truth: BaselineTruth
+    length_m: float
 
 
 class SimulatedReceiver:
@@ -34,6 +44,7 @@ class SimulatedReceiver:
         geoid_separation: float,
         seed: int,
         outages: Sequence[Window] = (),
+        second: SecondAntenna | None = None,
     ) -> None:
         self._settings = settings
         self._start_gps_ns = start_gps_ns
@@ -42,6 +53,10 @@ class SimulatedReceiver:
         reacquisition_ns = round(settings.reacquisition_s * NS)
         self._outages = [Window(w.start_ns, w.end_ns + reacquisition_ns) for w in outages]
         self._blocked = list(outages)
+        self._baseline = None
+        if second is not None:
+            errors = settings.baseline
+            self._baseline = Baseline(name, errors, second.truth, second.length_m, seed, self._outages)
         sigma, time = settings.position_markov_m, settings.position_markov_time_s
         factors = {"north": 1.0, "east": 1.0, "down": settings.vertical_factor}
         slow = ProcessBank(
@@ -93,11 +108,14 @@ class SimulatedReceiver:
             tdop=sky.tdop,
             satellites=sky.satellites,
             latency_ns=self._latency_ns(jitter),
+            baseline=None if self._baseline is None else self._baseline.at(time_ns),
         )
 
     def forget_ahead(self) -> None:
         """Where the antenna will be has changed."""
         self._ahead.forget()
+        if self._baseline is not None:
+            self._baseline.forget_ahead()
 
     def _latency_ns(self, jitter: float) -> int:
         return round(max(LEAST_LATENCY_S, self.latency_s + self._settings.latency_jitter_s * jitter) * NS)

@@ -40,6 +40,10 @@ class Glitch:
     pull_ned_mps: tuple[float, float, float] = (0.0, 0.0, 0.0)
     """Reported velocity is off by this, and the position by what it makes since the start."""
     jamming: Jamming | None = None
+    baseline_lost: bool = False
+    """The second antenna is cut off."""
+    baseline_turn: tuple[float, float] = (0.0, 0.0)
+    """Reported heading and pitch of the baseline are off by this, rad."""
     fired: int = field(default=0)
     """Epochs that came out wrong."""
 

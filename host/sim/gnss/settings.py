@@ -14,6 +14,19 @@ from pydantic import Field
 from host.sim.schema import NotNegative, Table
 
 
+class BaselineSettings(Table):
+    """Errors of the vector between two antennas `for_length_m` apart; those of angles go with its inverse."""
+
+    heading_white_deg: NotNegative = Field(default=0.08, le=90.0, examples=[0.08])
+    heading_markov_deg: NotNegative = Field(default=0.06, le=90.0, examples=[0.06])
+    markov_time_s: float = Field(default=60.0, ge=1.0, le=1e6, examples=[60.0])
+    for_length_m: float = Field(default=2.0, ge=0.1, le=100.0, examples=[2.0])
+    pitch_factor: NotNegative = Field(default=1.7, le=100.0, examples=[1.7])
+    length_white_m: NotNegative = Field(default=0.005, le=100.0, examples=[0.005])
+    fixing_s: NotNegative = Field(default=10.0, le=3600.0, examples=[10.0])
+    float_factor: float = Field(default=10.0, ge=1.0, le=1000.0, examples=[10.0])
+
+
 class GnssSettings(Table):
     """Errors and sky of one receiver."""
 
@@ -30,3 +43,5 @@ class GnssSettings(Table):
         default=["GPS", "GLONASS"], min_length=1, examples=[["GPS", "GLONASS"]]
     )
     elevation_mask_deg: float = Field(default=5.0, ge=0.0, le=60.0, examples=[5.0])
+    baseline: BaselineSettings = BaselineSettings()
+    """Of receivers with two antennas."""

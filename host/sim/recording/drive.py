@@ -68,8 +68,8 @@ class RecordedDrive:
         drive = self._drive
         return RecordedImu(self._virtual(drive.imu_t), drive.force, drive.rate, mounting)
 
-    def gnss(self, name: str, lever_arm: Array) -> RecordedReceiver:
-        """The recorded receiver; name and lever arm do not matter."""
+    def gnss(self, name: str, lever_arm: Array, second_lever_arm: Array | None = None) -> RecordedReceiver:
+        """The recorded receiver; name and lever arms do not matter, and of a baseline it knows nothing."""
         drive, settings = self._drive, self._scenario.gnss
         return RecordedReceiver(
             self._virtual(drive.gnss_valid_t),

@@ -1,5 +1,5 @@
 """CSV: NAME.csv with inertial samples and truth side by side, NAME.gnss.csv with the
-receiver's epochs, NAME.mag.csv and NAME.baro.csv."""
+receiver's epochs, NAME.mag.csv, NAME.baro.csv and NAME.baseline.csv."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.record.row_text import RowText
-from host.simulate.formats.ambient_csv import AmbientCsv
+from host.simulate.formats.side_csv import SideCsv
 from host.simulate.part_files import PartFiles
 from host.simulate.rows import GNSS, TRUTH, imu_rows, imu_table, truth_rows
 from host.simulate.source import Source
@@ -30,7 +30,7 @@ class CsvWriter:
         self._gnss = files.open(path.with_suffix(".gnss.csv")) if source.epochs else None
         if self._gnss is not None:
             self._gnss.write(",".join(GNSS.columns).encode() + b"\n")
-        self._ambients = AmbientCsv(source, path, files)
+        self._sides = SideCsv(source, path, files)
         self._gnss_text = RowText.csv(GNSS.decimals)
 
     def add_block(self, block: Block) -> None:
@@ -42,9 +42,9 @@ class CsvWriter:
         if self._gnss is not None:
             self._gnss.write(self._gnss_text.text(rows))
 
-    def add_ambient(self, name: str, rows: NDArray[np.float64]) -> None:
+    def add_side(self, name: str, rows: NDArray[np.float64]) -> None:
         """A line a sample."""
-        self._ambients.add(name, rows)
+        self._sides.add(name, rows)
 
     def finish(self) -> None:
         """Nothing is left to write."""

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.record.row_text import RowText
-from host.simulate.formats.ambient_csv import AmbientCsv
+from host.simulate.formats.side_csv import SideCsv
 from host.simulate.part_files import PartFiles
 from host.simulate.rows import GNSS, truth_rows
 from host.simulate.source import Source
@@ -41,7 +41,7 @@ class KfGinsWriter:
         self._imu, self._gnss, self._truth = (
             files.open(path.with_suffix(f".{kind}.txt")) for kind in ("imu", "gnss", "truth")
         )
-        self._ambients = AmbientCsv(source, path, files)
+        self._sides = SideCsv(source, path, files)
         self._imu_text = blanks(IMU_DECIMALS)
         self._gnss_text = blanks(GNSS_DECIMALS)
         self._truth_text = blanks(TRUTH_DECIMALS)
@@ -64,9 +64,9 @@ class KfGinsWriter:
             self._gnss_text.text(np.hstack((second, fixed[:, _PLACE], axis, axis, fixed[:, [_V_ACC]])))
         )
 
-    def add_ambient(self, name: str, rows: NDArray[np.float64]) -> None:
+    def add_side(self, name: str, rows: NDArray[np.float64]) -> None:
         """A line a sample, in a CSV of its own."""
-        self._ambients.add(name, rows)
+        self._sides.add(name, rows)
 
     def finish(self) -> None:
         """Nothing is left to write."""

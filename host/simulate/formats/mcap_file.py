@@ -1,4 +1,4 @@
-"""MCAP with JSON messages on /imu, /truth, /gnss, /mag and /baro, which Foxglove and PlotJuggler open.
+"""MCAP with JSON messages, for Foxglove and PlotJuggler: /imu, /truth, /gnss, /mag, /baro, /baseline.
 
 Times of messages are ns since the start of the drive. What was asked for stands in the metadata `simulation`.
 """
@@ -35,11 +35,9 @@ class McapWriter:
         self._truth = self._channel("/truth", "navtwin.Truth", TRUTH_AT)
         self._gnss = self._channel("/gnss", "navtwin.SimulatedGnss", GNSS)
 
-        self._ambients = {
-            one.sensor.name: self._channel(
-                f"/{one.sensor.name}", f"navtwin.Simulated{one.sensor.name.capitalize()}", one.sensor.table
-            )
-            for one in source.ambients
+        self._sides = {
+            one.name: self._channel(f"/{one.name}", f"navtwin.Simulated{one.name.capitalize()}", one.table)
+            for one in source.side_tables
         }
 
     def add_block(self, block: Block) -> None:
@@ -53,9 +51,9 @@ class McapWriter:
         """A message an epoch."""
         self._add(self._gnss, np.round(rows[:, 0] * NS).astype(np.int64).tolist(), rows)
 
-    def add_ambient(self, name: str, rows: NDArray[np.float64]) -> None:
+    def add_side(self, name: str, rows: NDArray[np.float64]) -> None:
         """A message a sample."""
-        self._add(self._ambients[name], np.round(rows[:, 0] * NS).astype(np.int64).tolist(), rows)
+        self._add(self._sides[name], np.round(rows[:, 0] * NS).astype(np.int64).tolist(), rows)
 
     def finish(self) -> None:
         """Write the index."""

@@ -5,12 +5,13 @@
     data["imu"]["force"], data["imu"]["rate"]      # (n, 3) m/s², rad/s in sensor axes
     data["imu"]["latitude"], data["gnss"]["height_m"]
 
-An archive member is written as it comes; that of the receiver is kept meanwhile (a row an epoch).
+The samples are written as they come; the rows of the other members wait in nameless files beside it.
 """
 
 from __future__ import annotations
 
 import json
+import shutil
 import zipfile
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -59,6 +60,25 @@ class _Archive(zipfile.ZipFile):
         """Nothing is written into a file that was closed because the disk is full."""
 
 
+class _Waiting:
+    """Rows of a member whose turn comes after the samples."""
+
+    def __init__(self, columns: Sequence[str], file: IO[bytes]) -> None:
+        self.dtype = np.dtype([(column, "<f8") for column in columns])
+        self.count = 0
+        self._file = file
+
+    def add(self, rows: NDArray[np.float64]) -> None:
+        """More of them."""
+        self.count += len(rows)
+        self._file.write(np.ascontiguousarray(rows).tobytes())
+
+    def move_to(self, member: IO[bytes]) -> None:
+        """All of them into the archive."""
+        self._file.seek(0)
+        shutil.copyfileobj(self._file, member)
+
+
 class NpzWriter:
     """Writes the file."""
 
@@ -68,11 +88,8 @@ class NpzWriter:
         self._force, self._rate = self._dtype.names[1:3] if self._dtype.names else ("", "")
         self._archive = _Archive(files.open(path), "w", zipfile.ZIP_STORED, allowZip64=True)
         self._member = self._open("imu", self._dtype, (source.samples,))
-        self._gnss: list[NDArray[np.float64]] = []
-        self._ambients: dict[str, list[NDArray[np.float64]]] = {
-            one.sensor.name: [] for one in source.ambients
-        }
-        self._columns = {one.sensor.name: one.sensor.table.columns for one in source.ambients}
+        tables = {"gnss": GNSS, **{one.name: one.table for one in source.side_tables}}
+        self._waiting = {name: _Waiting(table.columns, files.aside(path)) for name, table in tables.items()}
 
     def add_block(self, block: Block) -> None:
         """Records of all samples."""
@@ -87,30 +104,23 @@ class NpzWriter:
         self._member.write(records.view(np.uint8).data)
 
     def add_gnss(self, rows: NDArray[np.float64]) -> None:
-        """Kept until the end."""
-        self._gnss.append(rows)
+        """Kept aside until the end."""
+        self._waiting["gnss"].add(rows)
 
-    def add_ambient(self, name: str, rows: NDArray[np.float64]) -> None:
-        """Kept until the end."""
-        self._ambients[name].append(rows)
+    def add_side(self, name: str, rows: NDArray[np.float64]) -> None:
+        """Kept aside until the end."""
+        self._waiting[name].add(rows)
 
     def finish(self) -> None:
         """Write the other members."""
         self._member.close()
-        self._rows("gnss", GNSS.columns, self._gnss)
-        for name, parts in self._ambients.items():
-            self._rows(name, self._columns[name], parts)
-        self._whole("about", np.array(json.dumps(self._about)))
+        for name, waiting in self._waiting.items():
+            with self._open(name, waiting.dtype, (waiting.count,)) as member:
+                waiting.move_to(member)
+        about = np.array(json.dumps(self._about))
+        with self._open("about", about.dtype, about.shape) as member:
+            member.write(about.tobytes())
         self._archive.close()
-
-    def _rows(self, name: str, columns: Sequence[str], parts: list[NDArray[np.float64]]) -> None:
-        fields = [(column, "<f8") for column in columns]
-        rows = np.vstack(parts) if parts else np.empty((0, len(fields)))
-        self._whole(name, np.ascontiguousarray(rows).view(fields).reshape(-1))
-
-    def _whole(self, name: str, array: NDArray[Any]) -> None:
-        with self._open(name, array.dtype, array.shape) as member:
-            member.write(array.tobytes())
 
     def _open(self, name: str, dtype: np.dtype[Any], shape: tuple[int, ...]) -> IO[bytes]:
         info = zipfile.ZipInfo(f"{name}.npy", BEGINNING)

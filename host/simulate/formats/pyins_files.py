@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.record.row_text import RowText
-from host.simulate.formats.ambient_csv import AmbientCsv
+from host.simulate.formats.side_csv import SideCsv
 from host.simulate.part_files import PartFiles
 from host.simulate.rows import GNSS, truth_rows
 from host.simulate.source import Source
@@ -41,7 +41,7 @@ class PyinsWriter:
             "truth": ("time", *PLACE, *VELOCITY, *ANGLES),
             "gnss": ("time", *PLACE, *VELOCITY),
         }
-        self._ambients = AmbientCsv(source, path, files)
+        self._sides = SideCsv(source, path, files)
         self._files = {kind: files.open(path.with_suffix(f".{kind}.csv")) for kind in headers}
         for kind, columns in headers.items():
             self._files[kind].write(",".join(columns).encode() + b"\n")
@@ -61,9 +61,9 @@ class PyinsWriter:
         fixed = rows[rows[:, _FIX] == 1.0]
         self._write("gnss", np.hstack((fixed[:, :1], fixed[:, _SOLUTION])))
 
-    def add_ambient(self, name: str, rows: NDArray[np.float64]) -> None:
+    def add_side(self, name: str, rows: NDArray[np.float64]) -> None:
         """A line a sample, in a CSV of its own."""
-        self._ambients.add(name, rows)
+        self._sides.add(name, rows)
 
     def finish(self) -> None:
         """Nothing is left to write."""

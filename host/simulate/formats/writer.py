@@ -29,8 +29,8 @@ class Writer(Protocol):
         """Receiver epochs."""
         ...
 
-    def add_ambient(self, name: str, rows: NDArray[np.float64]) -> None:
-        """Rows of the source's magnetometer or barometer, by its name."""
+    def add_side(self, name: str, rows: NDArray[np.float64]) -> None:
+        """Rows of one of the source's side tables, by its name."""
         ...
 
     def finish(self) -> None:

@@ -1,4 +1,4 @@
-"""NAME.mag.csv and NAME.baro.csv beside a format's own files."""
+"""NAME.mag.csv, NAME.baro.csv and NAME.baseline.csv beside a format's own files."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from host.simulate.part_files import PartFiles
 from host.simulate.source import Source
 
 
-class AmbientCsv:
-    """Writes them for the magnetometer and the barometer of a source."""
+class SideCsv:
+    """Writes them for the side tables of a source."""
 
     def __init__(self, source: Source, path: Path, files: PartFiles) -> None:
         self._files = {}
         self._texts = {}
-        for ambient in source.ambients:
-            name, table = ambient.sensor.name, ambient.sensor.table
+        for side in source.side_tables:
+            name, table = side.name, side.table
             self._files[name] = files.open(path.with_suffix(f".{name}.csv"))
             self._files[name].write(",".join(table.columns).encode() + b"\n")
             self._texts[name] = RowText.csv(table.decimals)
