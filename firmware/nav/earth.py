@@ -34,11 +34,9 @@ LEAST_COS = np.float32(1.0e-3)
 
 
 @kernel
-def refresh_earth(f, i):
-    """Radii, Earth rate and gravity at the present position."""
-    s, c = sine_cosine(radians_of_units(i[at.LATITUDE]))
-    c = max(c, LEAST_COS)
-    h = f[at.HEIGHT]
+def earth_at(s, c, h):
+    """Meridian and parallel radius (R_M + h, (R_N + h) cos φ), 1/(R_M + h), 1/(R_N + h), tan φ, 1/cos φ and
+    gravity at sine and cosine of the latitude and the height in m; c is at least LEAST_COS."""
     s2 = s * s
     w2 = ONE - E2 * s2
     w = np.float32(math.sqrt(w2))
@@ -47,17 +45,27 @@ def refresh_earth(f, i):
     normal += h
     x = h / SEMI_MAJOR
     surface = GRAVITY_EQUATOR * (ONE + SOMIGLIANA_K * s2) / w
-    f[at.EARTH_RATE_N] = EARTH_RATE * c
-    f[at.EARTH_RATE_D] = -EARTH_RATE * s
-    f[at.MERIDIAN_RADIUS] = meridian
-    f[at.PARALLEL_RADIUS] = normal * c
-    f[at.PER_MERIDIAN_RADIUS] = ONE / meridian
-    f[at.PER_NORMAL_RADIUS] = ONE / normal
-    f[at.TAN_LATITUDE] = s / c
-    f[at.PER_COS_LATITUDE] = ONE / c
-    f[at.GRAVITY] = surface * (
+    gravity = surface * (
         ONE - TWO * x * (ONE + FLATTENING + GRAVITY_RATIO - TWO * FLATTENING * s2) + THREE_F * x * x
     )
+    return meridian, normal * c, ONE / meridian, ONE / normal, s / c, ONE / c, gravity
+
+
+@kernel
+def refresh_earth(f, i):
+    """Radii, Earth rate and gravity at the present position."""
+    s, c = sine_cosine(radians_of_units(i[at.LATITUDE]))
+    c = max(c, LEAST_COS)
+    f[at.EARTH_RATE_N] = EARTH_RATE * c
+    f[at.EARTH_RATE_D] = -EARTH_RATE * s
+    meridian, parallel, per_meridian, per_normal, tangent, per_cos, gravity = earth_at(s, c, f[at.HEIGHT])
+    f[at.MERIDIAN_RADIUS] = meridian
+    f[at.PARALLEL_RADIUS] = parallel
+    f[at.PER_MERIDIAN_RADIUS] = per_meridian
+    f[at.PER_NORMAL_RADIUS] = per_normal
+    f[at.TAN_LATITUDE] = tangent
+    f[at.PER_COS_LATITUDE] = per_cos
+    f[at.GRAVITY] = gravity
 
 
 @kernel
