@@ -1,0 +1,1 @@
+"""Attitude, velocity and position of a small aircraft from three samples an iteration."""
