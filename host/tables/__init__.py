@@ -1,1 +1,1 @@
-"""Tables of the attitude computer beside its document's: positions of a rotary table, drift, coning, cycles."""
+"""Tables of the attitude computer beside those of its document: angles, drift, coning, cycles."""

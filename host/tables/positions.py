@@ -25,9 +25,9 @@ FAST_TURN_S = 1.0
 
 
 def position_scenario(axis: str, angle_deg: float, still_s: float, **tables: Any) -> Scenario:
-    """`still_s` of rest, the turn about `axis` ("pitch", "roll", "yaw"), the hold; `tables`: more of the file.
+    """`still_s` of rest, the turn about `axis` ("pitch", "roll", "yaw"), the hold.
 
-    Raises ScenarioError.
+    `tables`: what else would stand in the scenario's file. Raises ScenarioError.
     """
     motion: list[dict[str, Any]] = [{"kind": "rest", "duration_s": still_s}]
     if angle_deg:
