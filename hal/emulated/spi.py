@@ -78,19 +78,30 @@ class SpiTiming:
 class EmulatedSpiBus:
     """The wires and the controller that several devices share."""
 
-    __slots__ = ("busy_ns", "cpu", "free_at", "name", "timing", "transactions", "waits")
+    __slots__ = ("_devices", "at_work", "cpu", "free_at", "name", "timing", "waits")
 
     def __init__(self, cpu: EmulatedCpu, timing: SpiTiming, name: str = "spi") -> None:
         self.cpu = cpu
         self.timing = timing
         self.name = name
+        self.at_work = False
+        """Whether a transaction may be under way that something else can come between."""
         self.free_at = 0
-        """When the transaction at work ends (ns)."""
-        self.transactions = 0
-        self.busy_ns = 0
+        """When that transaction ends (ns)."""
         self.waits = 0
         """Transactions that found the wire busy: an interrupt used the bus that it had interrupted."""
+        self._devices: list[EmulatedSpiDevice] = []
         cpu.reset_hooks.append(self._reset)
+
+    @property
+    def transactions(self) -> int:
+        """How many have begun."""
+        return sum(count for device in self._devices for _duration, count in device.usage.values())
+
+    @property
+    def busy_ns(self) -> int:
+        """What they take together."""
+        return sum(duration * count for device in self._devices for duration, count in device.usage.values())
 
     def device(
         self, slave: SpiSlave, name: str = "device", timing: SpiTiming | None = None
@@ -103,10 +114,13 @@ class EmulatedSpiBus:
         told = getattr(slave, "clocked_at", None)
         if told is not None:
             told(timing.frequency_hz)
-        return EmulatedSpiDevice(self, slave, name, timing)
+        device = EmulatedSpiDevice(self, slave, name, timing)
+        self._devices.append(device)
+        return device
 
     def _reset(self) -> None:
         """The controller drops what it was doing; the chip has seen the transaction all the same."""
+        self.at_work = False
         self.free_at = self.cpu.time.now
 
 
@@ -118,7 +132,6 @@ class EmulatedSpiDevice:
 
     __slots__ = (
         "_cpu",
-        "_durations",
         "_high_ns",
         "_ready_at",
         "_time",
@@ -127,6 +140,7 @@ class EmulatedSpiDevice:
         "observer",
         "slave",
         "timing",
+        "usage",
     )
 
     def __init__(self, bus: EmulatedSpiBus, slave: SpiSlave, name: str, timing: SpiTiming) -> None:
@@ -137,36 +151,36 @@ class EmulatedSpiDevice:
         self.observer: SpiObserver | None = None
         self._cpu = bus.cpu
         self._time = bus.cpu.time
-        self._durations: dict[int, int] = {}
+        self.usage: dict[int, list[int]] = {}
+        """By length in bytes: how long a transaction takes (ns), and how many there were."""
         self._high_ns = timing.high_ns
         self._ready_at = 0
 
     def transaction(self, buffer: bytearray) -> None:
-        """Exchange the whole buffer in place."""
-        bus = self.bus
+        """Exchange the whole buffer in place.
+
+        Mostly nothing is due before the wire is free again; then the bus need not be marked as taken.
+        """
         time = self._time
         start = time.now
-        if start < bus.free_at or start < self._ready_at:
+        if self.bus.at_work or self._high_ns:
             start = self._wait_for_wire()
         length = len(buffer)
         try:
-            duration = self._durations[length]
+            used = self.usage[length]
         except KeyError:
-            duration = self._duration(length)
-        bus.free_at = end = start + duration
-        bus.transactions += 1
-        bus.busy_ns += duration
-        if self._high_ns:
-            self._ready_at = end + self._high_ns
+            used = self.usage[length] = [self.timing.duration_ns(length), 0]
+        used[1] += 1
+        end = start + used[0]
         miso = self.slave.transaction(buffer, start, end)
         if len(miso) != length:
             raise ValueError(f"slave {self.name!r} answered {len(miso)} bytes to a transaction of {length}")
         if self.observer is not None:
             self.observer(start, end, buffer, miso)
-        if end < time.limit:
+        if end < time.limit and not self._high_ns:
             time.now = end
         else:
-            self._cpu.wait_until(end)
+            self._hold_wire(end)
         buffer[:] = miso
 
     def _wait_for_wire(self) -> int:
@@ -176,9 +190,13 @@ class EmulatedSpiDevice:
             bus.waits += 1
         while self._time.now < (free := max(bus.free_at, self._ready_at)):
             self._cpu.wait_until(free)
+        bus.at_work = False
         return self._time.now
 
-    def _duration(self, length: int) -> int:
-        duration = self.timing.duration_ns(length)
-        self._durations[length] = duration
-        return duration
+    def _hold_wire(self, end_ns: int) -> None:
+        """Let time pass to the end of a transaction that has begun, whatever comes between."""
+        bus = self.bus
+        bus.free_at = end_ns
+        bus.at_work = True
+        self._ready_at = end_ns + self._high_ns
+        self._cpu.wait_until(end_ns)

@@ -39,7 +39,7 @@ class VirtualTime:
     earliest event.
     """
 
-    __slots__ = ("_created", "_dropped", "_heap", "_horizon", "limit", "next_due", "now")
+    __slots__ = ("_created", "_dropped", "_horizon", "heap", "limit", "next_due", "now", "repeated")
 
     def __init__(self) -> None:
         self.now = 0
@@ -49,7 +49,11 @@ class VirtualTime:
         processor's own work while a further processor runs."""
         self._horizon = FAR
         # Entries that are never reached: the queue is never empty, and its first entry has two below it.
-        self._heap: list[list[Any]] = [[FAR, 0, 0, _nothing] for _ in range(SENTINELS)]
+        self.heap: list[list[Any]] = [[FAR, 0, 0, _nothing] for _ in range(SENTINELS)]
+        """[time, priority, creation number, callback] of every event; for `run_next` and the idle processor."""
+        self.repeated = 0
+        """Events that stayed first when they repeated; they keep their creation number, which is right because
+        no other event has their time."""
         self._created = 0
         self._dropped = 0
         """Events that were cancelled before they ran."""
@@ -57,7 +61,7 @@ class VirtualTime:
     @property
     def events_run(self) -> int:
         """How many callbacks have run (and returned)."""
-        return self._created - self._dropped - (len(self._heap) - SENTINELS)
+        return self.repeated + self._created - self._dropped - (len(self.heap) - SENTINELS)
 
     def at(self, time_ns: int, callback: Callback, priority: int = 0) -> Event:
         """Run `callback` at `time_ns`.
@@ -71,7 +75,7 @@ class VirtualTime:
             )
         self._created += 1
         entry = [time_ns, priority, self._created, callback]
-        heappush(self._heap, entry)
+        heappush(self.heap, entry)
         if time_ns < self.next_due:
             self._set_due(time_ns)
         return Event(entry)
@@ -99,49 +103,61 @@ class VirtualTime:
 
         What repeats before all others come needs no sorting: it stays at the head of the heap.
         """
-        heap = self._heap
+        heap = self.heap
         entry = heap[0]
         callback = entry[3]
         if callback is None:
-            heappop(heap)
-            self._dropped += 1
+            self.drop_first()
+            return
+        self.now = now = entry[0]
+        again = callback()
+        if again is None or heap[0] is not entry or again >= heap[1][0] or again >= heap[2][0] or again < now:
+            self.put_away(entry, again)
         else:
-            self.now = now = entry[0]
-            again = callback()
-            if again is not None and heap[0] is entry:
-                if again < now:
-                    raise ValueError(f"event repeats at {again} ns, before now ({now} ns)")
-                entry[0] = again
-                self._created = entry[2] = self._created + 1
-                if again >= heap[1][0] or again >= heap[2][0]:
-                    heapreplace(heap, entry)
+            entry[0] = self.next_due = self.limit = again
+            self.repeated += 1
+
+    def drop_first(self) -> None:
+        """Take out the earliest event, which was cancelled."""
+        heappop(self.heap)
+        self._dropped += 1
+        self.next_due = self.limit = self.heap[0][0]
+
+    def put_away(self, entry: list[Any], again: int | None) -> None:
+        """Take out the event that has run, or put it where it belongs now."""
+        if again is not None and again < self.now:
+            raise ValueError(f"event repeats at {again} ns, before now ({self.now} ns)")
+        heap = self.heap
+        if entry[2] != RELEASED:
+            if again is None:
+                self._take_out(entry)
             else:
-                self._put_away(entry, again)
+                self._created += 1
+                if heap[0] is entry:
+                    entry[0], entry[2] = again, self._created
+                    heapreplace(heap, entry)
+                else:
+                    self._take_out(entry)
+                    entry[0], entry[2] = again, self._created
+                    heappush(heap, entry)
         self.next_due = self.limit = heap[0][0]
+
+    def _take_out(self, entry: list[Any]) -> None:
+        """Also when a more urgent one stands before it by now."""
+        if self.heap[0] is entry:
+            heappop(self.heap)
+        else:
+            self.heap.remove(entry)
+            heapify(self.heap)
 
     def release_running(self) -> None:
         """Take the running event off the queue before its callback returns.
 
         For the one kind of callback that lets time pass: a switch to another processor.
         """
-        entry = heappop(self._heap)
+        entry = heappop(self.heap)
         entry[2] = RELEASED
-        self._set_due(self._heap[0][0])
-
-    def _put_away(self, entry: list[Any], again: int | None) -> None:
-        """Take out the event that has run, or move it although a more urgent one stands before it by now."""
-        if entry[2] == RELEASED:
-            return
-        if self._heap[0] is entry:
-            heappop(self._heap)
-        else:
-            self._heap.remove(entry)
-            heapify(self._heap)
-        if again is not None:
-            self._created += 1
-            entry[0] = again
-            entry[2] = self._created
-            heappush(self._heap, entry)
+        self._set_due(self.heap[0][0])
 
 
 def instant(n: int, rate_hz: int, start_ns: int = 0) -> int:
