@@ -14,8 +14,8 @@ from numpy.typing import NDArray
 from boards.assembly import AssembledBoard
 from firmware.drivers import gnss_epoch as gnss
 from firmware.link import frames
+from host.link.attitude import SOLUTIONS, solution_rows
 from host.link.decoder import LinkDecoder
-from host.link.messages import SOLUTION_DTYPE
 from host.record.recorder import Recorder
 from host.record.run_data import BiasEstimate, GnssBatch, Innovation, MotionBatch, SolutionBatch
 from host.run.arrivals import Arrivals, Piece
@@ -91,7 +91,9 @@ class LinkIntake:
             )
         self._take_biases(_rows(frames.BIAS, payloads))
         self._take_status(_rows(frames.STATUS, payloads))
-        self._take_solutions(np.frombuffer(b"".join(payloads[frames.SOLUTION]), SOLUTION_DTYPE))
+        for kind in SOLUTIONS:
+            if payloads[kind]:
+                self._take_solutions(solution_rows(kind, payloads[kind]))
 
     def _seconds(self, board_us: float) -> float:
         return self._virtual_ns(int(board_us) * 1000) / 1e9
@@ -106,14 +108,14 @@ class LinkIntake:
         if not len(rows):
             return
         self._last_solution_ns = int(times_ns[-1])
-        wide = {name: rows[name].astype(np.float64) for name in SOLUTION_FIELDS}
+        numbers = {name: np.ascontiguousarray(rows[name]) for name in SOLUTION_FIELDS}
         solution = SolutionBatch(
             t=times_ns / 1e9,
             latitude=rows["lat_nanodeg"] * NANODEG,
             longitude=rows["lon_nanodeg"] * NANODEG,
             mode=rows["mode"].astype(np.int64),
             flags=rows["flags"].astype(np.int64),
-            **wide,
+            **numbers,
         )
         truth = self._world.antenna_truth(times_ns, self._installation.imu_lever_arm)
         self._recorder.add_solution(solution, motion(truth))
