@@ -34,6 +34,10 @@ GNSS: Final = 0x06
 TASKS: Final = 0x07
 TEXT: Final = 0x08
 SATELLITES: Final = 0x09
+ATTITUDE: Final = 0x0A
+"""A solution in integers alone, of boards that compute attitude first of all."""
+SENSOR: Final = 0x0B
+"""The health of a sensor whose bursts tell it."""
 
 NO_DATE: Final = 0xFFFF
 NO_TIME_OF_DAY: Final = 0xFFFF_FFFF
@@ -47,6 +51,8 @@ PAYLOADS: Final = {
     BIAS: Struct("<Q18f"),
     STATUS: Struct("<QBHIIIIHHHBB"),
     GNSS: Struct("<QIHHqqiiIIiiiBHII"),
+    ATTITUDE: Struct("<QBHHqqq12i"),
+    SENSOR: Struct("<QHHhIIHHHHB23I"),
 }
 """Payloads of fixed length. TEXT is UTF-8; TASKS and SATELLITES are a head and rows."""
 

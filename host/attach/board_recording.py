@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from host.capture.writer import CaptureWriter
-from host.link.messages import SOLUTION_DTYPE
+from host.link.attitude import SOLUTIONS, solution_rows
 from host.record.row_text import RowText
 from host.record.run_folder import RunFolder
 from host.record.tables import DEGREES, SOLUTION
@@ -35,7 +35,7 @@ class BoardRecording:
         self._text = RowText.csv(DECIMALS)
         self._capture = CaptureWriter(self._folder.file("run.mcap"), manifest)
         self._record = self._capture.uart_recorder(port, "tx")
-        self._solutions: list[tuple[int, bytes]] = []
+        self._solutions: dict[int, list[tuple[int, bytes]]] = {kind: [] for kind in SOLUTIONS}
         self._flushed_ns = 0
         self._last_ns = 0
 
@@ -43,9 +43,9 @@ class BoardRecording:
         """Every byte."""
         self._record(time_ns, data)
 
-    def solution(self, time_ns: int, payload: bytes) -> None:
-        """A SOLUTION that came."""
-        self._solutions.append((time_ns, payload))
+    def solution(self, time_ns: int, kind: int, payload: bytes) -> None:
+        """A frame of SOLUTIONS that came."""
+        self._solutions[kind].append((time_ns, payload))
 
     def event(self, time_ns: int, source: str, text: str) -> None:
         """What people should know."""
@@ -75,19 +75,21 @@ class BoardRecording:
 
     def _flush(self, now_ns: int) -> None:
         self._flushed_ns = now_ns
-        if self._solutions:
-            rows = _rows(self._solutions)
+        for kind, came in self._solutions.items():
+            if not came:
+                continue
+            rows = _rows(kind, came)
             self._csv.write(self._text.text(rows))
             shown = np.full((len(rows), len(SOLUTION.columns)), np.nan)
             shown[:, :WITHOUT_TRUTH] = rows[:, :-1]
             self._capture.rows("/solution", shown)
-            self._solutions.clear()
+            came.clear()
         self._csv.flush()
         self._capture.flush(now_ns)
 
 
-def _rows(solutions: list[tuple[int, bytes]]) -> np.ndarray[Any, np.dtype[np.float64]]:
-    told = np.frombuffer(b"".join(payload for _, payload in solutions), SOLUTION_DTYPE)
+def _rows(kind: int, solutions: list[tuple[int, bytes]]) -> np.ndarray[Any, np.dtype[np.float64]]:
+    told = solution_rows(kind, [payload for _, payload in solutions])
     return np.column_stack(
         (
             np.array([time_ns for time_ns, _ in solutions]) / 1e9,

@@ -6,11 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from firmware.link.frames import PAYLOADS, SOLUTION, TEXT
+from firmware.link.frames import PAYLOADS, TEXT
 from firmware.link.raw_frames import RAW_START
 from host.attach.board_recording import BoardRecording
 from host.attach.board_source import BoardSource
 from host.attach.shadow import Shadow
+from host.link.attitude import SOLUTIONS
 from host.link.decoder import LinkDecoder, open_payload
 from host.link.messages import Message
 
@@ -155,10 +156,10 @@ class BoardSession:
 
     def _take_frame(self, time_ns: int, kind: int, payload: bytes) -> None:
         recording = self._recording
-        if kind == SOLUTION and len(payload) == PAYLOADS[SOLUTION].size:
+        if kind in SOLUTIONS and len(payload) == PAYLOADS[kind].size:
             self.solutions += 1
             if recording is not None:
-                recording.solution(time_ns, payload)
+                recording.solution(time_ns, kind, payload)
         elif kind >= RAW_START and kind < 0x100:
             self.raw_frames += 1
         elif kind == TEXT and recording is not None:

@@ -18,6 +18,7 @@ from crcmod.predefined import mkPredefinedCrcFun
 
 from firmware.drivers.satellite_lists import SYSTEM_NAMES, SatelliteInView
 from firmware.link.frames import (
+    ATTITUDE,
     BIAS,
     COVARIANCE,
     CRC_LENGTH,
@@ -30,6 +31,7 @@ from firmware.link.frames import (
     SATELLITE_HEAD,
     SATELLITE_ROW,
     SATELLITES,
+    SENSOR,
     SOLUTION,
     STATUS,
     SYNC,
@@ -38,6 +40,7 @@ from firmware.link.frames import (
     TEXT,
 )
 from firmware.link.raw_frames import RAW_START
+from host.link.attitude import attitude_as_solution
 from host.link.messages import (
     Bias,
     Covariance,
@@ -45,6 +48,7 @@ from host.link.messages import (
     Innovation,
     Message,
     Satellites,
+    Sensor,
     Solution,
     Status,
     TaskFigures,
@@ -172,6 +176,8 @@ _FIXED: Final[dict[int, Callable[[tuple[float, ...]], Message]]] = {
     BIAS: Bias,
     STATUS: Status._make,
     GNSS: Gnss._make,
+    ATTITUDE: attitude_as_solution,
+    SENSOR: Sensor._make,
 }
 
 

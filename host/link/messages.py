@@ -19,7 +19,10 @@ DYNAMIC_STATES = 9
 
 
 class Solution(NamedTuple):
-    """The navigation solution at `time_us`."""
+    """The navigation solution at `time_us`, of a SOLUTION or an ATTITUDE frame.
+
+    The latter tells no UTC and no sigmas (NaN); its flags stand from bit 16 on.
+    """
 
     time_us: int
     time_of_day_ms: int
@@ -152,6 +155,48 @@ class Gnss(NamedTuple):
     v_acc_mm: int
 
 
+class Sensor(NamedTuple):
+    """How the inertial sensor is, and how often which trouble was noticed since the board's reset."""
+
+    time_us: int
+    supply_mv: int
+    diagnosis: int
+    """DIAG_STAT, all flags since the last such frame."""
+    temperature_centi_c: int
+    pressure_pa: int
+    field_nt: int
+    """Magnitude."""
+    adc_mv: int
+    age_least_us: int
+    """Of the samples of solutions since the last such frame; 0xFFFF: not known."""
+    age_most_us: int
+    product_id: int
+    starts: int
+    bursts: int
+    jumps: int
+    lost_reads: int
+    stale: int
+    chip_error: int
+    supply: int
+    gyro_saturated: int
+    no_answer: int
+    slipped: int
+    field_implausible: int
+    bridged: int
+    moved: int
+    rates_lost: int
+    overrun: int
+    yaw_given: int
+    saturated_rate: int
+    saturated_force: int
+    saturated_field: int
+    saturated_angle: int
+    saturated_attitude: int
+    saturated_velocity: int
+    saturated_earth: int
+    saturated_height: int
+
+
 class TaskFigures(NamedTuple):
     """One task of the firmware."""
 
@@ -180,7 +225,18 @@ class Satellites(NamedTuple):
 
 
 Message = (
-    Solution | Covariance | Innovation | Bias | Status | Gnss | Tasks | Satellites | RawInput | RawSlice | str
+    Solution
+    | Covariance
+    | Innovation
+    | Bias
+    | Status
+    | Gnss
+    | Sensor
+    | Tasks
+    | Satellites
+    | RawInput
+    | RawSlice
+    | str
 )
 """A str is a TEXT, or an NMEA sentence."""
 

@@ -127,7 +127,7 @@ def _solution(time_us: int, row: Row) -> tuple[int, Shown] | None:
             frames.NO_TIME_OF_DAY,
             frames.NO_DATE,
             _whole(row, "mode", NAVIGATING) & 0xFF,
-            _whole(row, "flags", 0) & 0xFFFF,
+            _whole(row, "flags", 0) & 0xFFFF_FFFF,
             lat,
             lon,
             *(_value(row, name) for name in names),

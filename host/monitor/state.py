@@ -92,6 +92,7 @@ class BoardState:
         self.seen_s[kind] = at_s
         match message:
             case Solution():
+                self.seen_s[frames.SOLUTION] = at_s  # whichever frame held it
                 self._note_time(message.time_us)
                 self.solution = message
                 self._track_solution(message)

@@ -6,7 +6,8 @@ import math
 from datetime import UTC, datetime, timedelta
 
 from firmware.link.frames import NO_DATE, NO_TIME_OF_DAY
-from firmware.nav.flags import FLAG_NAMES, MODE_NAMES
+from firmware.nav.flags import MODE_NAMES
+from host.link.attitude import flag_name
 
 UNKNOWN = "-"
 GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
@@ -81,9 +82,7 @@ def mode_style(mode: int) -> str:
 
 def flag_names(flags: int) -> list[tuple[str, str]]:
     """(name, style) of every flag that is set, alarming ones first."""
-    names = [
-        FLAG_NAMES[bit] if bit < len(FLAG_NAMES) else f"flag_{bit}" for bit in range(16) if flags >> bit & 1
-    ]
+    names = [flag_name(bit) for bit in range(32) if flags >> bit & 1]
     styled = [(name, flag_style(name)) for name in names]
     order = ["bold red", "yellow", "green"]
     return sorted(styled, key=lambda pair: order.index(pair[1]))
