@@ -14,6 +14,7 @@ from typing import Any, Protocol
 from boards.chips.world import CompassWorld, GnssWorld, ImuWorld, TenDofWorld
 from boards.description import Board, Chip, Processor
 from boards.machine import Machine
+from boards.sense import Sense
 from boards.validation import DescriptionError
 from hal.board_io import BoardIo, Named, NotNamedError, Program
 from hal.emulated.can import EmulatedCanBus, EmulatedCanController
@@ -70,8 +71,12 @@ class AssembledBoard:
     """For each UART the wire into the processor."""
     from_board: dict[str, UartWire] = field(default_factory=dict)
     can_buses: dict[str, EmulatedCanBus] = field(default_factory=dict)
+    i2c_devices: dict[str, tuple[EmulatedI2cBus, int]] = field(default_factory=dict)
+    """Bus and address of each chip on I²C, by the firmware's name."""
     chips: dict[str, Any] = field(default_factory=dict)
     """Chip models by reference designator."""
+    senses: dict[str, Sense] = field(default_factory=dict)
+    """What each chip feels, and the defects of its sensor."""
     nets: dict[str, Net] = field(default_factory=dict)
     logs: dict[str, EmulatedLogFile] = field(default_factory=dict)
     ports: dict[str, EmulatedUart] = field(default_factory=dict)
@@ -155,8 +160,9 @@ def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Su
     feels = getattr(model, "feels", chip.world)
     if chip.world != feels:
         raise DescriptionError(f'chips.{refdes}.world = "{chip.world}": a {chip.part} feels "{feels}"')
-    world = getattr(surroundings, chip.world)(refdes, chip)
-    arguments: list[Any] = [board.time, world]
+    sense = Sense(getattr(surroundings, chip.world)(refdes, chip))
+    board.senses[refdes] = sense
+    arguments: list[Any] = [board.time, sense]
     if chip.uart is not None:
         arguments.append(board.to_board[chip.uart])
     try:
@@ -210,6 +216,7 @@ def _connect_to_bus(board: AssembledBoard, refdes: str, chip: Chip, placed: Any)
         board.spi_devices[name] = bus.device(placed, name, _spi_timing(chip, bus.timing))
     else:
         board.i2c_buses[chip.bus].attach(placed.i2c.address, placed.i2c)
+        board.i2c_devices[name] = (board.i2c_buses[chip.bus], placed.i2c.address)
 
 
 def _spi_timing(chip: Chip, bus: SpiTiming) -> SpiTiming:

@@ -43,6 +43,15 @@ class Oscillator:
         self.numerator = numerator // common
         self.denominator = denominator // common
 
+    def pull(self, time_ns: int, tick_rate_hz: int, error_ppb: int) -> None:
+        """From `time_ns` on run with another error; the tick under way still lasts as long as it would have,
+        or, of a clock that is now faster, less."""
+        tick = self.tick(time_ns)
+        other = Oscillator(tick_rate_hz, 0, error_ppb)
+        kept = self.instant(tick + 1) - other.instant(tick + 1)
+        self.start_ns = min(kept, time_ns - other.instant(tick))
+        self.numerator, self.denominator = other.numerator, other.denominator
+
     def instant(self, tick: int) -> int:
         """Time (ns) at which the counter reaches `tick`."""
         return self.start_ns + tick * self.numerator // self.denominator

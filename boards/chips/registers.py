@@ -10,7 +10,7 @@ then (a command dropped with an error flag).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 
@@ -130,12 +130,22 @@ class RegisterFile:
         self.after_write: dict[int, Callable[[int, int], None]] = {}
         self._log = log
         self._plain: dict[tuple[int, int], bool] = {}
+        self._pretended: dict[int, Register] = {}
+        """Registers that hold something else, as they are."""
         self.reset()
 
     def reset(self) -> None:
         """Load every reset value."""
         for register in self.registers.values():
             self.values[register.address] = register.reset
+
+    def pretend(self, address: int, value: int | None) -> None:
+        """Let a register have another content, now and after each reset (a wrong identity, say); None: its
+        own again."""
+        kept = self._pretended
+        own = kept.setdefault(address, self.registers[address])
+        self.registers[address] = own if value is None else replace(own, reset=value)
+        self.values[address] = self.registers[address].reset
 
     def read(self, address: int, time_ns: int, *, running_on: bool = False) -> int:
         """One byte for the bus. An address without a register reads as 0, a write-only one as last written.

@@ -17,7 +17,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 from hal.emulated.cpu import EmulatedCpu
-from hal.emulated.virtual_time import SECOND
+from hal.emulated.virtual_time import SECOND, VirtualTime
 from hal.errors import BusError, ErrorKind
 
 BYTE_CLOCKS = 9
@@ -83,6 +83,9 @@ class EmulatedI2cBus:
         """Hears of every transaction as it ends."""
         self.player: I2cPlayer | None = None
         """Takes the place of all slaves: a replay."""
+        self.stuck: list[Callable[[], bool]] = []
+        """Faults that keep a line of the bus at a level: each hears of a transaction, and tells whether
+        nobody can acknowledge; else the bus hangs."""
         self._cpu = cpu
         self._slaves: dict[int, I2cSlave] = {}
         self._owner: str | None = None
@@ -106,6 +109,21 @@ class EmulatedI2cBus:
     def detach(self, address: int) -> None:
         """Take a slave off the bus; nobody acknowledges its address any more."""
         del self._slaves[address]
+
+    @property
+    def time(self) -> VirtualTime:
+        """The virtual time of its controller."""
+        return self._cpu.time
+
+    def slave(self, address: int) -> I2cSlave | None:
+        """Who listens at an address."""
+        return self._slaves.get(address)
+
+    def exchange(self, address: int, slave: I2cSlave) -> I2cSlave:
+        """Put another one in the place of a slave; returns that one."""
+        before = self._slaves[address]
+        self._slaves[address] = slave
+        return before
 
     def transaction(self, address: int, write: bytes = b"", read_length: int = 0) -> bytes:
         """Run one transaction and return the bytes read."""
@@ -167,10 +185,17 @@ class EmulatedI2cBus:
 
     def _address(self, wire: _Wire, address: int) -> I2cSlave:
         """(Repeated) start and address byte."""
+        nobody = False
+        for strike in self.stuck:
+            nobody = strike()
+            if not nobody:
+                wire.hold(self.stretch_limit_ns)
+                wire.refusal = ErrorKind.TIMEOUT
+                raise self._refused(wire.refusal, address)
         wire.clocks(1 + BYTE_CLOCKS)
         slave = self._slaves.get(address)
         listens = getattr(slave, "listens", None)
-        if slave is None or (listens is not None and not listens(self._cpu.time.now)):
+        if nobody or slave is None or (listens is not None and not listens(self._cpu.time.now)):
             wire.clocks(1)
             wire.refusal = ErrorKind.ADDRESS_NACK
             raise self._refused(wire.refusal, address)

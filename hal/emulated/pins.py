@@ -22,7 +22,7 @@ EdgeListener = Callable[[], None]
 class Net:
     """One wire of the board. `level` is its electrical level now."""
 
-    __slots__ = ("_edges", "_listeners", "level", "name", "on_first_listener", "tape", "time")
+    __slots__ = ("_edges", "_listeners", "holder", "level", "name", "on_first_listener", "tape", "time")
 
     def __init__(self, time: VirtualTime, name: str, level: bool = False) -> None:
         self.time = time
@@ -33,6 +33,8 @@ class Net:
         self.tape: list[int] | None = None
         """Every change of the level as 2·time + level, for a capture. It is no listener: lazy drivers do not
         care for it."""
+        self.holder: Callable[[bool], None] | None = None
+        """Set by a fault that keeps the net at its level: hears of what the driver wants."""
         self._listeners: tuple[Listener, ...] = ()
         self._edges: tuple[tuple[EdgeListener, ...], tuple[EdgeListener, ...]] = ((), ())
         """Who hears of falling and of rising edges only: an edge that nobody waits for costs no call."""
@@ -44,6 +46,9 @@ class Net:
 
     def set(self, level: bool) -> None:
         """Drive the level; listeners hear of a change only."""
+        if self.holder is not None:
+            self.holder(level)
+            return
         if level == self.level:
             return
         self.level = level

@@ -85,6 +85,11 @@ class EmulatedUart:
         self._receiver.fill()
         return self._receiver.total_errors
 
+    def note_overrun(self) -> None:
+        """A byte came before the one before was taken (faults say so)."""
+        self._receiver.errors += 1
+        self._receiver.total_errors += 1
+
     def _reset(self) -> None:
         self.tx.abort()
         self.tx.set_baud(self._power_on_baud)

@@ -11,6 +11,8 @@ from hal.emulated.virtual_time import SECOND
 
 FRAME_BITS = 10
 FRAME = FRAME_BITS * SECOND
+NO_STOP_BIT = 0x100
+"""Of a byte on its way: its stop bit will be low."""
 
 
 class SentBytes:
@@ -82,6 +84,25 @@ class SentBytes:
         if position == 0:
             return False
         return position == FRAME_BITS - 1 or bool(self.data[frame] >> (position - 1) & 1)
+
+
+class BrokenFrame(SentBytes):
+    """One byte whose stop bit is low."""
+
+    __slots__ = ()
+
+    @property
+    def framing_errors(self) -> int:
+        """Its own."""
+        return 1
+
+    def split(self, count: int) -> tuple[SentBytes, SentBytes]:
+        """The first `count` bytes and the others."""
+        whole, rest = super().split(count)
+        return (self, rest) if count else (whole, self)
+
+    def _level_of(self, bit: int) -> bool:
+        return bit != FRAME_BITS - 1 and super()._level_of(bit)
 
 
 class SampledByte:

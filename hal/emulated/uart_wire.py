@@ -11,7 +11,7 @@ from collections import deque
 from typing import Protocol
 
 from hal.emulated.alarm import Alarm
-from hal.emulated.uart_bytes import SentBytes
+from hal.emulated.uart_bytes import NO_STOP_BIT, BrokenFrame, SentBytes
 from hal.emulated.uart_receiver import LateReceiver, LineReceiver, PeerReceiver, UartPeer
 from hal.emulated.virtual_time import FAR, VirtualTime
 
@@ -29,7 +29,8 @@ class LineFault(Protocol):
         ...
 
     def frame(self, value: int) -> int | None:
-        """What becomes of one byte that begins now; None when it is lost."""
+        """What becomes of one byte that begins now; None when it is lost, with NO_STOP_BIT when its stop bit
+        is low."""
         ...
 
 
@@ -262,17 +263,23 @@ class UartWire:
                 waiting.popleft()
             value = self._disturbed(piece.data[0])
             if value is not None:
-                piece.data = bytes((value,))
+                if value & NO_STOP_BIT:
+                    piece = BrokenFrame(piece.data, piece.start, piece.first, piece.baud)
+                piece.data = bytes((value & 0xFF,))
                 for receiver in self._receivers:
                     receiver.announce(piece)
         return waiting[0].begin if waiting else FAR
 
     def _disturbed(self, value: int) -> int | None:
-        seen: int | None = value
+        broken = 0
         for fault in self._faults:
-            if fault.frame_by_frame and seen is not None:
-                seen = fault.frame(seen)
-        return seen
+            if fault.frame_by_frame:
+                seen = fault.frame(value)
+                if seen is None:
+                    return None
+                broken |= seen & NO_STOP_BIT
+                value = seen & 0xFF
+        return value | broken
 
 
 def _checked(baud: int, name: str) -> int:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from importlib import import_module
+from typing import Any
 
 from boards.description import Board
 from boards.hints import did_you_mean
@@ -11,7 +13,7 @@ from host.campaign.plan import Plan
 from host.record.command_line import toml
 from host.record.errors import UserError
 from host.record.result import RunRequest
-from host.run.faults import KINDS
+from host.run.fault_kinds import KINDS
 from host.sim.gnss.faults import (
     BASELINE_JUMP,
     BASELINE_LOST,
@@ -90,6 +92,47 @@ def _chips(board: Board) -> list[str]:
     return list(board.chips)
 
 
+def _able(ability: str) -> Callable[[Board], list[str]]:
+    """Chips whose model has a method or property of that name."""
+
+    def chips(board: Board) -> list[str]:
+        return [refdes for refdes, chip in board.chips.items() if hasattr(_model(chip.model), ability)]
+
+    return chips
+
+
+def _model(name: str) -> Any:
+    module, _, attribute = name.partition(":")
+    try:
+        return getattr(import_module(module), attribute)
+    except (ImportError, AttributeError):
+        return None  # assembling the board tells of it
+
+
+def _clocked(board: Board) -> list[str]:
+    """Chips with a clock that matters: of samples, or of a serial line."""
+    sampling = _able("set_clock_error")(board)
+    return [refdes for refdes, chip in board.chips.items() if chip.uart is not None or refdes in sampling]
+
+
+def _i2c_devices(board: Board) -> list[str]:
+    return [
+        chip.name or refdes
+        for refdes, chip in board.chips.items()
+        if chip.bus is not None and board.buses[chip.bus].kind == "i2c"
+    ]
+
+
+def _i2c_buses(board: Board) -> list[str]:
+    return [name for name, bus in board.buses.items() if bus.kind == "i2c"]
+
+
+def _nets_from_chips(board: Board) -> list[str]:
+    """Nets on which a chip tells a processor something."""
+    heard = {pin.net for pin in board.pins.values() if pin.wired and pin.use != "output"}
+    return [net for chip in board.chips.values() for net in chip.pins.values() if net in heard]
+
+
 def _lines_from_chips(board: Board) -> list[str]:
     """UARTs at which a chip talks to the processor; nothing comes in at the others."""
     return [chip.uart for chip in board.chips.values() if chip.uart is not None]
@@ -111,10 +154,34 @@ TARGETS: dict[str, Callable[[Board], list[str]]] = {
     "spi-bit-errors": _spi_devices,
     "spi-missing": _spi_devices,
     "spi-register": _spi_devices,
+    "spi-stuck": _spi_devices,
+    "spi-word-slip": _spi_devices,
+    "spi-late": _spi_devices,
+    "spi-byte-loss": _spi_devices,
+    "spi-byte-duplication": _spi_devices,
+    "i2c-nack": _i2c_devices,
+    "i2c-bit-errors": _i2c_devices,
+    "i2c-clock-stretch": _i2c_devices,
+    "i2c-stuck": _i2c_buses,
+    "pin-stuck": _nets_from_chips,
+    "sensor-frozen": _chips,
+    "sensor-stuck": _able("measures"),
+    "sensor-saturated": _able("measures"),
+    "sensor-drift": _able("measures"),
     "chip-reset": _chips,
     "chip-off": _chips,
+    "chip-wrong-id": _able("pretend_id"),
+    "chip-clock": _clocked,
+    "chip-halt": _able("halt"),
+    "chip-flags": _able("raise_flags"),
+    "chip-supply": _able("supply_v"),
     "uart-cut": _lines_from_chips,
     "uart-bit-errors": _lines_from_chips,
+    "uart-byte-loss": _lines_from_chips,
+    "uart-byte-duplication": _lines_from_chips,
+    "uart-framing-errors": _lines_from_chips,
+    "uart-parity": _lines_from_chips,
+    "uart-overrun": _lines_from_chips,
     "uart-truncation": _lines_from_chips,
     "uart-wrong-baud": _lines_from_chips,
     "uart-garbage": _lines_from_chips,

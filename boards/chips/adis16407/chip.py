@@ -12,7 +12,7 @@ from __future__ import annotations
 from boards.chips.adis16407.core import ALL_UNREAD, DEFECTS, SPI_ERROR, Core
 from boards.chips.adis16407.flash import Flash
 from boards.chips.adis16407.pins import Pins, PinSide
-from boards.chips.adis16407.register_map import DIAG_STAT, GLOB_CMD, GPIO_CTRL, OUTPUTS
+from boards.chips.adis16407.register_map import DIAG_STAT, GLOB_CMD, GPIO_CTRL, OUTPUTS, PROD_ID
 from boards.chips.adis16407.settings import is_slow
 from boards.chips.registers import AccessLog, AccessReport, ReportKind
 from boards.chips.world import TenDofWorld
@@ -37,6 +37,8 @@ class Adis16407:
 
     feels = "ten_dof"
     """The world that it asks."""
+    measures = ("gyro", "accel", "mag", "pressure", "temperature")
+    """Of what the world tells."""
     spi_modes = (3,)
 
     def __init__(
@@ -143,6 +145,34 @@ class Adis16407:
             if part not in DEFECTS:
                 raise ValueError(f"{self.name}: defect {part!r}; possible: {', '.join(DEFECTS)}")
         self._core.defects = frozenset(parts)
+
+    # -- defects -----------------------------------------------------------------------------------
+
+    def pretend_id(self, product: int | None) -> None:
+        """Answer with another PROD_ID; None: with its own again."""
+        for byte in range(2):
+            part = None if product is None else product >> 8 * byte & 0xFF
+            self._core.registers.pretend(PROD_ID + byte, part)
+
+    def set_clock_error(self, ppm: float) -> None:
+        """Its sample clock runs fast by so much behind the next sample."""
+        self._core.look_anew(self._time.now, round(ppm * 1000.0))
+        self._side.schedule()
+
+    def look_anew(self) -> None:
+        """Ask the world again for the samples to come: it has changed."""
+        self._core.look_anew(self._time.now, None)
+        self._side.schedule()
+
+    def halt(self, on: bool) -> None:
+        """Its sample clock stands still: outputs stay, without ND once they are read; or it goes on."""
+        self._core.halt(on, self._time.now)
+        self._side.schedule()
+
+    def raise_flags(self, flags: int) -> None:
+        """DIAG_STAT shows these flags with every sample from now on; 0: no more."""
+        self._core.trouble(flags, self._time.now)
+        self._side.schedule()
 
     # -- SPI ---------------------------------------------------------------------------------------
 

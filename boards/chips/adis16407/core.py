@@ -63,6 +63,7 @@ class Core:
         self.wakes_on_select = False
         self.dac_code = 0
         """At the output, latched."""
+        self._trouble = 0
         self._log = log
         self._identity = identity
         self._done_ns = FAR
@@ -90,12 +91,13 @@ class Core:
         """An edge of the external clock."""
         self.advance(time_ns)
         if self.answers_ns <= time_ns:
-            self.diagnosis |= self.sampler.external(time_ns)
-            self.unread = ALL_UNREAD
+            flags = self.sampler.external(time_ns)
+            self.diagnosis |= flags | self._trouble
+            self.unread = self.unread if self.sampler.halted else ALL_UNREAD
 
     def _sample(self, time_ns: int) -> None:
         if self.sampler.next_ns <= time_ns:
-            self.diagnosis |= self.sampler.advance(time_ns)
+            self.diagnosis |= self.sampler.advance(time_ns) | self._trouble
             self.unread = ALL_UNREAD
 
     # -- supply and reset --------------------------------------------------------------------------
@@ -149,6 +151,21 @@ class Core:
         sampler.supply_v = sampler.supply_v if supply_v is None else supply_v
         sampler.adc_v = sampler.adc_v if adc_v is None else adc_v
         sampler.refresh()
+
+    def look_anew(self, time_ns: int, error_ppb: int | None) -> None:
+        """Ask for the samples to come again, with another error of the sample clock if one is given."""
+        self.advance(time_ns)
+        self.sampler.look_anew(error_ppb)
+
+    def halt(self, on: bool, time_ns: int) -> None:
+        """The sample clock stands still, or goes on."""
+        self.advance(time_ns)
+        self.sampler.halt(on, time_ns)
+
+    def trouble(self, flags: int, time_ns: int) -> None:
+        """DIAG_STAT flags that come back with every sample from now on."""
+        self.advance(time_ns)
+        self._trouble = flags
 
     # -- reads -------------------------------------------------------------------------------------
 

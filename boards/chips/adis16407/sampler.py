@@ -79,6 +79,8 @@ class Sampler:
         self.total, self.count = np.zeros(3), 0
         """Gyro outputs (°/s) summed up."""
         self._clock: Oscillator | None = None
+        self.halted = False
+        """A defect: the sample clock stands still."""
         self._period = 0
         self._tick = 0
         self._raw: Floats = np.empty((0, 11))
@@ -96,11 +98,24 @@ class Sampler:
         self._period = period_ticks
         self._tick = 0
         self._clock = Oscillator(CLOCK_HZ, first_ns, self._error_ppb) if period_ticks else None
-        self.next_ns = first_ns if period_ticks else FAR
+        self.next_ns = first_ns if period_ticks and not self.halted else FAR
 
     def period_ns(self, period_ticks: int) -> int:
         """Of the chip's own clock."""
         return Oscillator(CLOCK_HZ, 0, self._error_ppb).instant(period_ticks)
+
+    def look_anew(self, error_ppb: int | None) -> None:
+        """Ask for the samples to come again, with another error of the sample clock if one is given."""
+        if error_ppb is not None:
+            self._error_ppb = error_ppb
+        if self._clock is not None and not self.halted:
+            self.start(self.next_ns, self._period)
+
+    def halt(self, on: bool, time_ns: int) -> None:
+        """The sample clock stands still: the newest sample stays. Not `on`: it goes on."""
+        self.halted = on
+        if self._clock is not None:
+            self.start(time_ns + self.period_ns(self._period), self._period)
 
     def stop(self) -> None:
         """No more samples; the newest still shows."""
@@ -164,6 +179,8 @@ class Sampler:
 
     def external(self, time_ns: int) -> int:
         """An edge of the external clock: one sample."""
+        if self.halted:
+            return 0
         self._settle()
         self._take(np.array([time_ns], np.int64))
         self._move(0)

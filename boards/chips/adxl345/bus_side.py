@@ -66,6 +66,8 @@ class BusSide(ABC):
 
     feels = "imu"
     """The world that it asks."""
+    measures = ("accel",)
+    """Of what the world tells."""
     spi_modes = (3,)
     """Clock modes (fact sheet section 1)."""
 

@@ -20,6 +20,7 @@ from boards.chips.adxl345.register_map import (
     DATA,
     DATA_FORMAT,
     DATA_READY,
+    DEVID,
     FIFO_STATUS,
     INT_ENABLE,
     INT_INVERT,
@@ -185,6 +186,26 @@ class Adxl345(BusSide):
         self._times, self._image = sampler.times, sampler.image
         self._fast_to = self._times[-1]
         self._find_row(time_ns)
+
+    # -- defects -------------------------------------------------------------------------------------
+
+    def pretend_id(self, device_id: int | None) -> None:
+        """Answer with another DEVID; None: with its own again."""
+        self._core.registers.pretend(DEVID, device_id)
+
+    def set_clock_error(self, ppm: float) -> None:
+        """Its oscillator runs fast by so much from now on."""
+        self._disturb(round(ppm * 1000.0))
+
+    def look_anew(self) -> None:
+        """Ask the world again for the samples to come: it has changed."""
+        self._disturb(None)
+
+    def _disturb(self, error_ppb: int | None) -> None:
+        now = self._time.now
+        self._settle_short_way()
+        self._core.look_anew(now, error_ppb)
+        self._after_change(now)
 
     # -- pins and events -----------------------------------------------------------------------------
 

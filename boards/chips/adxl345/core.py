@@ -84,6 +84,16 @@ class Core:
         self._asleep = False
         self.trigger_ns = None
 
+    def look_anew(self, time_ns: int, error_ppb: int | None) -> None:
+        """Sample anew from now on, with another error of the oscillator if one is given."""
+        self.advance(time_ns)
+        if error_ppb is not None:
+            self._error_ppb = error_ppb
+        if self.sampler.plan is not None:
+            if error_ppb is not None:
+                self.sampler.clock.pull(time_ns, TICK_RATE_HZ, error_ppb)
+            self.sampler.configure(self._tick, self.sampler.plan)
+
     def _install_hooks(self) -> None:
         written = self.registers.after_write
         for register in DETECTION_REGISTERS:

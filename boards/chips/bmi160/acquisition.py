@@ -19,7 +19,7 @@ from boards.chips.bmi160.motion import MotionDetectors
 from boards.chips.bmi160.power import LOW_POWER, NORMAL, PowerModes, Sensor
 from boards.chips.bmi160.register_map import ACC_RANGE, DRDY_ACC, DRDY_GYR
 from boards.chips.bmi160.sampler import Plan, Sampler
-from boards.chips.bmi160.sensor_clock import SensorClock
+from boards.chips.bmi160.sensor_clock import TICK_RATE_HZ, SensorClock
 from boards.chips.bmi160.settings import ACCEL_COUNTS_PER_G, Stream
 from boards.chips.world import ImuWorld
 
@@ -70,6 +70,14 @@ class Acquisition:
         self._read = {Sensor.GYRO: -1, Sensor.ACCEL: -1}
         self._announced = -1
         self._temperature = (0, 0)
+
+    def look_anew(self, time_ns: int, error_ppb: int | None) -> None:
+        """Sample anew from now on, with another error of the oscillator if one is given."""
+        tick = self.clock.tick(time_ns)
+        self._newest = {sensor: self._newest_sample(sensor, tick) for sensor in self._newest}
+        if error_ppb is not None:
+            self.clock.pull(time_ns, TICK_RATE_HZ, error_ppb)
+        self.sampler.configure(tick, self.sampler.plan)
 
     # -- configuration -----------------------------------------------------------------------------
 

@@ -38,6 +38,8 @@ class BusSide(ABC):
 
     feels = "imu"
     """The world that it asks."""
+    measures = ("gyro", "accel", "temperature")
+    """Of what the world tells."""
     spi_modes = (0, 3)
     """Clock modes that the part detects by itself (fact sheet section 1)."""
 

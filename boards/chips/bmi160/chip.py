@@ -17,6 +17,7 @@ from boards.chips.bmi160.block_kernels import DATA_END, STRIDE
 from boards.chips.bmi160.bus_side import BusSide
 from boards.chips.bmi160.interrupts import NON_LATCHED, Source
 from boards.chips.bmi160.pins import PIN_NAMES, PinNet
+from boards.chips.bmi160.register_map import CHIP_ID
 from boards.chips.bmi160.sensor_clock import COUNTER_MASK
 from boards.chips.world import ImuWorld
 from hal.emulated.virtual_time import Event, VirtualTime
@@ -152,6 +153,24 @@ class Bmi160(BusSide):
 
     def _close_short_way(self) -> None:
         self._fast_to = self._fresh_to = self._fresh_ns = 0
+
+    def pretend_id(self, chip_id: int | None) -> None:
+        """Answer with another CHIP_ID; None: with its own again."""
+        self._core.registers.pretend(CHIP_ID, chip_id)
+
+    def set_clock_error(self, ppm: float) -> None:
+        """Its oscillator runs fast by so much from now on."""
+        self._disturb(round(ppm * 1000.0))
+
+    def look_anew(self) -> None:
+        """Ask the world again for the samples to come: it has changed."""
+        self._disturb(None)
+
+    def _disturb(self, error_ppb: int | None) -> None:
+        now = self._time.now
+        self._settle_short_way()
+        self._core.look_anew(now, error_ppb)
+        self._schedule(now)
 
     # -- pins and events -----------------------------------------------------------------------------
 

@@ -74,6 +74,13 @@ class Core:
         self._gyro = gyro_stream(self.registers.values[GYR_CONF])
         self._accel = accel_stream(self.registers.values[ACC_CONF])
 
+    def look_anew(self, time_ns: int, error_ppb: int | None) -> None:
+        """Sample anew from now on, with another error of the oscillator if one is given."""
+        self.advance(time_ns)
+        if error_ppb is not None:
+            self._error_ppb = error_ppb
+        self.data.look_anew(time_ns, error_ppb)
+
     def _install_hooks(self) -> None:
         written, read = self.registers.after_write, self.registers.after_read
         written[ACC_CONF] = lambda _old, new: self._rate_changed(ACC_CONF_CHANGED, accel_conf=new)

@@ -80,6 +80,8 @@ class Hmc6343:
 
     feels = "compass"
     """The world that it asks."""
+    measures = ("mag", "accel", "temperature")
+    """Of what the world tells."""
 
     def __init__(
         self,
@@ -151,6 +153,17 @@ class Hmc6343:
         if self._mode == _RUNNING:
             self._measurements.start(self._answers_ns)
         self._schedule(max(time_ns, self._time.now))
+
+    # -- defects -----------------------------------------------------------------------------------
+
+    def pretend_id(self, address_byte: int | None) -> None:
+        """EEPROM 0x00, by which drivers know the part, reads otherwise; None: as it is again."""
+        self.eeprom.pretend_address(address_byte)
+
+    def set_clock_error(self, ppm: float) -> None:
+        """Its clock runs fast by so much from now on."""
+        self._measurements.set_clock_error(self._time.now, round(ppm * 1000.0))
+        self._schedule(self._time.now)
 
     # -- I²C ---------------------------------------------------------------------------------------
 

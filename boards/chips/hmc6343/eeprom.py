@@ -22,11 +22,16 @@ class Eeprom:
 
     def __init__(self, serial_number: int, version: int, year: int, week: int) -> None:
         self._bytes = bytearray(SIZE)
+        self._told_address: int | None = None
         self._bytes[SLAVE_ADDRESS] = 0x32
         self._bytes[SOFTWARE_VERSION] = version
         self._bytes[OP_MODE_1], self._bytes[OP_MODE_2] = RUN | LEVEL, 0x01
         self._bytes[SERIAL_NUMBER : SERIAL_NUMBER + 2] = serial_number.to_bytes(2, "little")
         self._bytes[DATE_YEAR], self._bytes[DATE_WEEK] = year, week
+
+    def pretend_address(self, value: int | None) -> None:
+        """Have another address byte read; None: the true one again."""
+        self._told_address = value
 
     def __getitem__(self, address: int) -> int:
         return self._bytes[address]
@@ -44,6 +49,8 @@ class Eeprom:
         if address >= SIZE:
             return 0xFF, f"EEPROM 0x{address:02X} does not exist"
         wrong = f"EEPROM 0x{address:02X} is reserved" if address in _RESERVED else ""
+        if address == SLAVE_ADDRESS and self._told_address is not None:
+            return self._told_address, wrong
         return self._bytes[address], wrong
 
     def write(self, address: int, value: int) -> str:

@@ -54,6 +54,13 @@ class Measurements:
         self._clock = Oscillator(self.rate_hz, first_ns - period, self._error_ppb)
         self._done = 0
 
+    def set_clock_error(self, time_ns: int, error_ppb: int) -> None:
+        """Another error of the clock from now on."""
+        self.advance(time_ns)
+        self._error_ppb = error_ppb
+        if self._clock is not None:
+            self._clock.pull(time_ns, self.rate_hz, error_ppb)
+
     def stop(self, time_ns: int) -> None:
         """No more measurements."""
         self.advance(time_ns)
