@@ -22,7 +22,18 @@ EdgeListener = Callable[[], None]
 class Net:
     """One wire of the board. `level` is its electrical level now."""
 
-    __slots__ = ("_edges", "_listeners", "holder", "level", "name", "on_first_listener", "tape", "time")
+    __slots__ = (
+        "_edges",
+        "_fall",
+        "_listeners",
+        "_rise",
+        "_tape",
+        "holder",
+        "level",
+        "name",
+        "on_first_listener",
+        "time",
+    )
 
     def __init__(self, time: VirtualTime, name: str, level: bool = False) -> None:
         self.time = time
@@ -30,14 +41,26 @@ class Net:
         self.level = level
         self.on_first_listener: Callable[[], None] | None = None
         """Set by a lazy driver: called when `listened` becomes true, before the listener looks at `level`."""
-        self.tape: list[int] | None = None
-        """Every change of the level as 2·time + level, for a capture. It is no listener: lazy drivers do not
-        care for it."""
         self.holder: Callable[[bool], None] | None = None
         """Set by a fault that keeps the net at its level: hears of what the driver wants."""
         self._listeners: tuple[Listener, ...] = ()
         self._edges: tuple[tuple[EdgeListener, ...], tuple[EdgeListener, ...]] = ((), ())
         """Who hears of falling and of rising edges only: an edge that nobody waits for costs no call."""
+        self._tape: list[int] | None = None
+        self._fall: EdgeListener | None = None
+        self._rise: EdgeListener | None = None
+        """What an edge brings about, composed of all that; None: nothing."""
+
+    @property
+    def tape(self) -> list[int] | None:
+        """Every change of the level as 2·time + level, for a capture. It is no listener: lazy drivers do not
+        care for it."""
+        return self._tape
+
+    @tape.setter
+    def tape(self, tape: list[int] | None) -> None:
+        self._tape = tape
+        self._compose()
 
     @property
     def listened(self) -> bool:
@@ -52,20 +75,37 @@ class Net:
         if level == self.level:
             return
         self.level = level
-        if self.tape is not None:
-            self.tape.append(2 * self.time.now + level)
+        follow = self._rise if level else self._fall
+        if follow is not None:
+            follow()
+
+    def _compose(self) -> None:
+        """The usual net has one listener for one edge: then that listener itself is what an edge brings
+        about."""
         falling, rising = self._edges
-        for edge_listener in rising if level else falling:
-            edge_listener()
-        if self._listeners:
-            now = self.time.now
-            for listener in self._listeners:
+        self._fall, self._rise = self._followed(False, falling), self._followed(True, rising)
+
+    def _followed(self, level: bool, edge_listeners: tuple[EdgeListener, ...]) -> EdgeListener | None:
+        listeners, tape, time = self._listeners, self._tape, self.time
+        if not listeners and tape is None and len(edge_listeners) <= 1:
+            return edge_listeners[0] if edge_listeners else None
+
+        def follow() -> None:
+            now = time.now
+            if tape is not None:
+                tape.append(now + now + level)
+            for edge_listener in edge_listeners:
+                edge_listener()
+            for listener in listeners:
                 listener(level, now)
+
+        return follow
 
     def listen(self, callback: Listener) -> None:
         """Call `callback(level, time_ns)` at every change from now on. It must not let time pass."""
         first = not self.listened
         self._listeners = (*self._listeners, callback)
+        self._compose()
         if first and self.on_first_listener is not None:
             self.on_first_listener()
 
@@ -77,6 +117,7 @@ class Net:
             self._edges = (falling_edge, (*rising_edge, callback))
         else:
             self._edges = ((*falling_edge, callback), rising_edge)
+        self._compose()
         if first and self.on_first_listener is not None:
             self.on_first_listener()
 
@@ -87,12 +128,14 @@ class Net:
             tuple(other for other in falling if other != callback),
             tuple(other for other in rising if other != callback),
         )
+        self._compose()
 
     def ignore(self, callback: Listener) -> None:
         """Take a listener back. Raises ValueError when it does not listen."""
         if callback not in self._listeners:
             raise ValueError(f"net {self.name!r}: {callback!r} does not listen, so it cannot be taken back")
         self._listeners = tuple(other for other in self._listeners if other != callback)
+        self._compose()
 
 
 class EmulatedOutputPin:

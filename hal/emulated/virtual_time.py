@@ -50,9 +50,9 @@ class VirtualTime:
         self._horizon = FAR
         # Entries that are never reached: the queue is never empty, and its first entry has two below it.
         self.heap: list[list[Any]] = [[FAR, 0, 0, _nothing] for _ in range(SENTINELS)]
-        """[time, priority, creation number, callback] of every event; for `run_next` and the idle processor."""
+        """[time, priority, creation number, callback] of every event; also for the idle processor."""
         self.repeated = 0
-        """Events that stayed first when they repeated; they keep their creation number, which is right because
+        """Events that stayed first when they repeated. They keep their creation number, since
         no other event has their time."""
         self._created = 0
         self._dropped = 0
