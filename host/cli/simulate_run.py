@@ -19,7 +19,6 @@ from host.record.errors import UserError
 from host.report.numbers import number
 from host.sim.scenario.load import load_scenario
 from host.sim.seeding import LARGEST_SEED
-from host.simulate.extras import must_have
 from host.simulate.formats.known import Format, chosen
 from host.simulate.job import Simulated, simulate
 from host.simulate.stream import Convention, Drive, Request, warm_up
@@ -101,8 +100,6 @@ def _request(asked: Asked, form: Format | None) -> Request:
     antenna, second = asked.antennas
     magnetometer_hz = rate_of("--mag-rate", asked.rates.magnetometer, least=Fraction(0))
     barometer_hz = rate_of("--baro-rate", asked.rates.barometer, least=Fraction(0))
-    if magnetometer_hz:
-        must_have("pygeomag", "--mag-rate")
     return Request(
         scenario=scenario,
         seed=asked.seed,

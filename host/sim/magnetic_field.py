@@ -1,4 +1,4 @@
-"""The Earth's magnetic field by the World Magnetic Model, through pygeomag (extra `sim`).
+"""The Earth's magnetic field by the World Magnetic Model, through pygeomag.
 
 The model is evaluated in the middle of cells of 0.05° and 1 km, with its gradient, at the drive's start: away
 from the poles that is the model itself within 0.1 nT, and a function of the place alone.
@@ -48,6 +48,10 @@ class MagneticField:
         places = np.column_stack((np.degrees(latitude), np.degrees(longitude), height / 1000.0))
         size = np.array([CELL_DEG, CELL_DEG, CELL_KM])
         cells = np.round(places / size).astype(np.int64)
+        if (cells == cells[:1]).all() and len(cells):
+            middle, gradient = self._cell(*cells[0].tolist())
+            near: Floats = middle + (places / size - cells) @ gradient
+            return near
         out = np.empty((len(places), 3))
         for cell in np.unique(cells, axis=0):
             here = np.all(cells == cell, axis=1)

@@ -13,11 +13,13 @@ from host.sim.compass import FeltCompass
 from host.sim.gnss.faults import glitches_of, refuse_baseline_faults
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.gnss.schedule import Window
+from host.sim.magnetic_field import MagneticField
 from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.schema import Scenario
 from host.sim.simulated import SimulatedVehicle
 from host.sim.ten_dof import FeltTenDof
 from host.sim.truth import TruthBatch
+from host.sim.vehicle_field import StaticPressure, VehicleField
 
 Array = NDArray[np.float64]
 
@@ -104,7 +106,7 @@ class World:
     def compass(self, name: str, mounting: Array | None = None) -> CompassWorld:
         """The world of the compass `name` at the vehicle's origin; `mounting` as for `imu`."""
         rotation = np.eye(3) if mounting is None else np.asarray(mounting, dtype=np.float64)
-        return FeltCompass(self.truth, rotation, self.seed, name)
+        return FeltCompass(self.truth, self._field(name), rotation, self.seed, name)
 
     def ten_dof(
         self,
@@ -116,7 +118,23 @@ class World:
         """The world of a sensor of rate, force, magnetic field and pressure; arguments as for `imu`."""
         rotation = np.eye(3) if mounting is None else np.asarray(mounting, dtype=np.float64)
         imu = self.imu(name, rotation, lever_arm, preset)
-        return FeltTenDof(imu, self.truth, rotation, self.seed, name, perfect=preset == "perfect")
+        pressure = StaticPressure(
+            self.scenario.barometer, self._geoid_separation_m, self.seed, f"{name}.baro"
+        )
+        around = self._field(name), pressure
+        return FeltTenDof(imu, self.truth, around, rotation, self.seed, name, perfect=preset == "perfect")
+
+    def _field(self, name: str) -> VehicleField:
+        scenario = self.scenario
+        field = MagneticField(scenario.start.utc)
+        return VehicleField(field, scenario.magnetometer, self.seed, f"{name}.magnetometer")
+
+    @property
+    def _geoid_separation_m(self) -> float:
+        scenario = self.scenario
+        if scenario.recording is not None:
+            return scenario.recording.geoid_separation_m
+        return 0.0 if scenario.place is None else scenario.place.geoid_separation_m
 
     def put_down(self, time_ns: int, latitude: float, longitude: float, height: float) -> None:
         """From `time_ns` on the standing vehicle stands there (rad, m). Raises ScenarioError if it moves."""

@@ -14,17 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.record.tables import Table
-from host.sim.atmosphere import STANDARD_HPA, pressure_height, standard_pressure
+from host.sim.atmosphere import pressure_height
 from host.sim.errors.ambient_schema import BarometerErrors, MagnetometerErrors
-from host.sim.errors.processes import Process, ProcessBank
 from host.sim.magnetic_field import MagneticField
-from host.sim.seeding import generator
 from host.sim.trajectory.kinematics import C_NB, HEIGHT, LATITUDE, LONGITUDE
+from host.sim.vehicle_field import MICRO, StaticPressure, VehicleField
 from host.simulate.instants import NS
 
 Floats = NDArray[np.float64]
-
-MICRO = 1e-6
 
 
 class AmbientSensor(Protocol):
@@ -67,22 +64,13 @@ class Magnetometer:
     )
 
     def __init__(self, errors: MagnetometerErrors, field: MagneticField, seed: int) -> None:
-        self._field = field
-        self._soft = np.array(errors.soft_iron)
-        self._hard = _axes(errors.hard_iron_ut) + _axes(errors.hard_iron_error_ut) * np.array(
-            [generator(seed, f"mag_{axis}.hard_iron").standard_normal() for axis in "xyz"]
-        )
-        self._sigma = _axes(errors.noise_ut)
-        self._noise = [generator(seed, f"mag_{axis}.noise") for axis in "xyz"]
+        self._field = VehicleField(field, errors, seed, "mag")
 
     def rows(self, times_ns: NDArray[np.int64], truth: Floats) -> Floats:
         """See `AmbientSensor`."""
-        field_n = self._field.at(truth[:, LATITUDE], truth[:, LONGITUDE], truth[:, HEIGHT]) / MICRO
-        c_nb = truth[:, C_NB : C_NB + 9].reshape(-1, 3, 3)
-        field_b = np.einsum("kij,ki->kj", c_nb, field_n)
-        noise = np.column_stack([one.standard_normal(len(times_ns)) for one in self._noise])
-        felt = field_b @ self._soft.T + self._hard + self._sigma * noise
-        return np.column_stack((times_ns / NS, felt, field_b))
+        place = truth[:, LATITUDE], truth[:, LONGITUDE], truth[:, HEIGHT]
+        true = self._field.true(place, truth[:, C_NB : C_NB + 9].reshape(-1, 3, 3))
+        return np.column_stack((times_ns / NS, self._field.felt(true) / MICRO, true / MICRO))
 
 
 class Barometer:
@@ -92,21 +80,11 @@ class Barometer:
     table = Table(("t_s", "pressure_pa", "pressure_height_m", "true_height_msl_m"), (9, 3, 4, 4))
 
     def __init__(self, errors: BarometerErrors, geoid_separation_m: float, seed: int) -> None:
-        self._errors = errors
         self._separation = geoid_separation_m
-        draw = float(generator(seed, "baro.bias").standard_normal())
-        self._bias = errors.bias_pa + errors.bias_error_pa * draw
-        self._drift = ProcessBank([Process("baro.drift", errors.drift_pa, errors.drift_time_s)], seed)
-        self._noise = generator(seed, "baro.noise")
+        self._pressure = StaticPressure(errors, geoid_separation_m, seed, "baro")
 
     def rows(self, times_ns: NDArray[np.int64], truth: Floats) -> Floats:
         """See `AmbientSensor`."""
+        pressure = self._pressure.at(times_ns, truth[:, HEIGHT])
         height = truth[:, HEIGHT] - self._separation
-        pressure = standard_pressure(height) * (self._errors.sea_level_hpa / STANDARD_HPA)
-        pressure += self._bias + self._drift.values(times_ns)[:, 0]
-        pressure += self._errors.noise_pa * self._noise.standard_normal(len(times_ns))
         return np.column_stack((times_ns / NS, pressure, pressure_height(pressure), height))
-
-
-def _axes(value: float | list[float]) -> Floats:
-    return np.broadcast_to(np.asarray(value, dtype=np.float64), (3,)).copy()

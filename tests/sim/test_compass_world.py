@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as some
+from pygeomag import GeoMag
 from scipy.spatial.transform import Rotation
 
 from boards.assembly import assemble
@@ -18,7 +17,6 @@ from boards.validation import DescriptionError
 from firmware.drivers import hmc6343_sample as sample
 from firmware.drivers.hmc6343 import Hmc6343, Hmc6343Config, Outcome
 from host.run.surroundings import Surroundings
-from host.sim.compass import dipole_field
 from host.sim.scenario.load import scenario_from
 from host.sim.world import World
 
@@ -27,31 +25,12 @@ LEVEL = np.diag([1.0, -1.0, -1.0])
 """C_b_s: x forward, y left, z up."""
 
 
-def potential(r: float, theta: float, longitude: float) -> float:
-    """Of the dipole: a (a/r)² (g₁₀ P₁₀ + (g₁₁ cos λ + h₁₁ sin λ) P₁₁), IGRF-13 in nT."""
-    a = 6371.2e3
-    q = -1450.9 * math.cos(longitude) + 4652.5 * math.sin(longitude)
-    return a * (a / r) ** 2 * (-29404.8 * math.cos(theta) + q * math.sin(theta))
-
-
-@given(some.floats(-1.4, 1.4), some.floats(-3.1, 3.1), some.floats(0.0, 50_000.0))
-def test_field_is_the_gradient_of_the_dipole(latitude: float, longitude: float, height: float) -> None:
-    r, theta, step = 6371.2e3 + height, math.pi / 2 - latitude, 1e-5
-    north = (potential(r, theta + step, longitude) - potential(r, theta - step, longitude)) / (2 * step * r)
-    east = -(potential(r, theta, longitude + step) - potential(r, theta, longitude - step)) / (
-        2 * step * r * math.sin(theta)
+def model_field(latitude: float, longitude: float, height: float) -> np.ndarray:
+    """North, east, down in T on the day on which scenarios begin, by pygeomag itself."""
+    found = GeoMag(coefficients_file="wmm/WMM_2020.COF").calculate(
+        glat=latitude, glon=longitude, alt=height / 1000.0, time=2024.0 + 134.3 / 366.0
     )
-    down = (potential(r + 10, theta, longitude) - potential(r - 10, theta, longitude)) / 20.0
-    assert np.array(dipole_field(latitude, longitude, height)) * 1e9 == pytest.approx(
-        [north, east, down], abs=0.5
-    )
-
-
-def test_field_in_central_europe() -> None:
-    """Some 21 µT to the north and 43 µT down; the dipole alone gives that within 4 µT."""
-    north, _, down = dipole_field(math.radians(47.0), math.radians(8.0), 400.0)
-    assert north * 1e6 == pytest.approx(21.0, abs=4.0)
-    assert down * 1e6 == pytest.approx(43.0, abs=4.0)
+    return np.array([found.x, found.y, found.z]) * 1e-9
 
 
 def world(duration_s: float = 60.0, **changes: Any) -> World:
@@ -70,13 +49,41 @@ def test_force_and_field_at_rest() -> None:
     values = felt.sample(np.arange(1, 401) * SECOND // 10)
     c_nb = Rotation.from_euler("ZYX", [70.0, 10.0, -20.0], degrees=True).as_matrix()
     c_ns = c_nb @ LEVEL
-    field = np.array(dipole_field(math.radians(47.0), math.radians(8.0), 400.0))
+    field = model_field(47.0, 8.0, 400.0)
     mean = values.mean(axis=0)
     assert mean[:3] == pytest.approx(c_ns.T @ [0.0, 0.0, -9.807], abs=0.01)
     assert mean[3:6] == pytest.approx(c_ns.T @ field, abs=3e-8)
     assert values[:, 3].std() == pytest.approx(1e-7, rel=0.2)
     assert values[:, 0].std() == pytest.approx(9.81 * math.radians(0.2), rel=0.2)
     assert (values[:, 6] == 25.0).all()
+
+
+def test_the_vehicles_iron_bends_the_field() -> None:
+    soft = [[1.1, 0.05, 0.0], [0.05, 0.9, -0.02], [0.0, 0.03, 1.0]]
+    iron = {"hard_iron_ut": [6.0, -9.0, 4.0], "soft_iron": soft, "noise_ut": 0.5}
+    initial = {"yaw_deg": 200.0, "pitch_deg": -4.0, "roll_deg": 7.0}
+    values = (
+        world(initial=initial, magnetometer=iron)
+        .compass("U5", LEVEL)
+        .sample(np.arange(1, 2001) * SECOND // 40)
+    )
+    c_nb = Rotation.from_euler("ZYX", [200.0, -4.0, 7.0], degrees=True).as_matrix()
+    on_board = np.array(soft) @ (c_nb.T @ model_field(47.0, 8.0, 400.0)) + 1e-6 * np.array([6.0, -9.0, 4.0])
+    assert values[:, 3:6].mean(axis=0) == pytest.approx(LEVEL.T @ on_board, abs=6e-8)
+    assert values[:, 3:6].std(axis=0) == pytest.approx([math.hypot(0.5e-6, 1e-7)] * 3, rel=0.06)
+
+
+def test_force_of_a_drive_is_that_of_the_inertial_sensor() -> None:
+    drive = [
+        {"kind": "reach-speed", "duration_s": 10.0, "to_mps": 15.0},
+        {"kind": "turn", "duration_s": 20.0, "angle_deg": 180.0},
+    ]
+    moving = world(30.0, segment=drive, imu={"preset": "perfect"})
+    times = np.arange(1, 291) * SECOND // 10
+    felt = moving.compass("U5", LEVEL).sample(times)[:, :3]
+    true = moving.imu("U1", LEVEL).sample(times, 50.0)[:, :3]
+    assert (felt - true).std(axis=0) == pytest.approx([0.034] * 3, rel=0.2)
+    assert np.abs((felt - true).mean(axis=0)).max() < 0.01
 
 
 def test_same_seed_same_values() -> None:
@@ -160,7 +167,7 @@ def test_a_compass_on_a_board_finds_the_heading(tmp_path: Path) -> None:
     board.machine.power_off()
     assert isinstance(program, Reads)
     assert program.outcome is Outcome.OK
-    north, east, _ = dipole_field(math.radians(47.0), math.radians(8.0), 400.0)
+    north, east, _ = model_field(47.0, 8.0, 400.0)
     declination = math.degrees(math.atan2(east, north))
     assert len(program.angles) > 100
     mean = np.mean(program.angles, axis=0)

@@ -8,23 +8,31 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as some
+from pygeomag import GeoMag
 from scipy.spatial.transform import Rotation
 
-from host.sim.compass import dipole_field
 from host.sim.scenario.load import scenario_from
-from host.sim.ten_dof import standard_pressure
 from host.sim.world import World
 
 SECOND = 1_000_000_000
+MODEL = GeoMag(coefficients_file="wmm/WMM_2020.COF")
 MOUNTING = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
 
 
-def world(yaw: float = 0.0, pitch: float = 0.0, roll: float = 0.0, seed: int = 1, **place: float) -> World:
+def world(
+    yaw: float = 0.0,
+    pitch: float = 0.0,
+    roll: float = 0.0,
+    seed: int = 1,
+    barometer: dict[str, float] | None = None,
+    **place: float,
+) -> World:
     data: dict[str, Any] = {
         "place": {"latitude_deg": 47.0, "longitude_deg": 8.0, "height_m": 400.0, "geoid_separation_m": 0.0}
         | place,
         "duration_s": 20.0,
         "initial": {"yaw_deg": yaw, "pitch_deg": pitch, "roll_deg": roll},
+        "barometer": barometer or {},
         "segment": [{"kind": "rest", "duration_s": 20.0}],
     }
     return World(scenario_from(data, "standing", "test"), seed)
@@ -45,17 +53,34 @@ def test_field_at_any_place_and_attitude(
     felt = world(yaw, pitch, roll, **place).ten_dof("U1", MOUNTING, preset="perfect")
     (values,) = felt.sample(np.array([5 * SECOND]), 330.0)
     c_nb = Rotation.from_euler("ZYX", [yaw, pitch, roll], degrees=True).as_matrix()
-    expected = (c_nb @ MOUNTING).T @ dipole_field(np.radians(latitude), np.radians(longitude), 400.0)
-    assert values[7:10] == pytest.approx(expected, abs=1e-11)
+    model = MODEL.calculate(glat=latitude, glon=longitude, alt=0.4, time=2024.0 + 134.3 / 366.0)
+    expected = (c_nb @ MOUNTING).T @ np.array([model.x, model.y, model.z]) * 1e-9
+    assert values[7:10] == pytest.approx(expected, abs=2e-10)
     assert values[10] == pytest.approx(96_611.0, abs=2.0)
 
 
 @pytest.mark.parametrize(
     ("height", "hpa"),
-    [(0.0, 1013.25), (1000.0, 898.75), (3000.0, 701.09), (8000.0, 356.00), (-500.0, 1074.78)],
+    [(0.0, 1013.25), (1000.0, 898.76), (3000.0, 701.21), (8000.0, 356.51), (-500.0, 1074.78)],
 )
-def test_pressure_of_the_standard_atmosphere(height: float, hpa: float) -> None:
-    assert float(standard_pressure(np.array([height]))[0]) == pytest.approx(100.0 * hpa, rel=5e-4)
+def test_pressure_of_the_standard_atmosphere_above_the_sea(height: float, hpa: float) -> None:
+    felt = world(height_m=height + 40.0, geoid_separation_m=40.0).ten_dof("U1", preset="perfect")
+    pressure = felt.sample(np.arange(1, 3) * SECOND, 330.0)[:, 10]
+    assert pressure == pytest.approx([100.0 * hpa] * 2, rel=2e-5)
+
+
+def test_the_scenarios_barometer_drifts() -> None:
+    errors = {"sea_level_hpa": 1000.0, "bias_pa": 50.0, "drift_pa": 30.0, "drift_time_s": 20.0}
+    runs = []
+    for seed in range(1, 31):
+        felt = world(seed=seed, barometer=errors).ten_dof("U1", preset="perfect")
+        runs.append(felt.sample(np.arange(1, 20, 2) * SECOND, 330.0)[:, 10])
+    off = np.array(runs) - (96_611.0 * 1000.0 / 1013.25 + 50.0)
+    assert abs(off.mean()) < 12.0
+    assert off.std() == pytest.approx(30.0, rel=0.25)
+    assert np.diff(off, axis=1).std() == pytest.approx(
+        30.0 * np.sqrt(2.0 * (1.0 - np.exp(-2.0 / 20.0))), rel=0.15
+    )
 
 
 def test_same_seed_same_values() -> None:

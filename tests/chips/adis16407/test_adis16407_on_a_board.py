@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from pygeomag import GeoMag
 from scipy.spatial.transform import Rotation
 
 from boards.assembly import assemble
@@ -17,7 +17,6 @@ from firmware.drivers import adis16407_sample as sample
 from firmware.drivers.adis16407 import Adis16407, Adis16407Config, Outcome
 from hal.pins import Edge
 from host.run.surroundings import Surroundings
-from host.sim.compass import dipole_field
 from host.sim.scenario.load import scenario_from
 from host.sim.world import World
 
@@ -123,7 +122,10 @@ def test_every_sample_is_read_once_and_is_the_world(tmp_path: Path) -> None:
     assert len(reads.samples) == pytest.approx((4.0 - 0.445) * 819.2, abs=4)
     mean = np.mean(np.array(reads.samples, np.float64), axis=0)
     c_ns = Rotation.from_euler("ZYX", [250.0, 5.0, -10.0], degrees=True).as_matrix() @ np.diag([1, -1, -1])
-    field = np.array(dipole_field(math.radians(47.0), math.radians(8.0), 400.0))
+    model = GeoMag(coefficients_file="wmm/WMM_2020.COF").calculate(
+        glat=47.0, glon=8.0, alt=0.4, time=2024.367
+    )
+    field = np.array([model.x, model.y, model.z]) * 1e-9
     assert mean[3:6] == pytest.approx(c_ns.T @ [0.0, 0.0, -9.807], abs=0.02)
     assert mean[6:9] == pytest.approx(c_ns.T @ field, abs=2.6e-8)
     assert mean[9] == pytest.approx(96_611.0, abs=5.0)  # 400 m in tables of the standard atmosphere
