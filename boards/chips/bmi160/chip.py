@@ -12,6 +12,7 @@ non-latched data ready alone, the usual case, that is one event a sample.
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterator
 
 from boards.chips.bmi160.block_kernels import DATA_END, STRIDE
 from boards.chips.bmi160.bus_side import BusSide
@@ -40,19 +41,19 @@ class Bmi160(BusSide):
 
     __slots__ = (
         "_active",
-        "_at",
         "_denominator",
         "_event",
-        "_event_times",
         "_expect_read",
         "_fast_to",
-        "_fresh_ns",
+        "_feed",
+        "_frame",
         "_fresh_to",
+        "_idle",
         "_image",
         "_net",
         "_next_ns",
-        "_next_row",
         "_numerator",
+        "_open",
         "_pulse_ends",
         "_pulsing",
         "_tick_bias",
@@ -85,18 +86,21 @@ class Bmi160(BusSide):
         self._event: Event | None = None
         self._net: PinNet | None = None
         """The pin of the data-ready event; None while the event is of the general kind."""
-        self._active = True
+        self._active, self._idle = True, False
+        """Levels of that pin."""
         self._pulsing = self._pulse_ends = self._expect_read = False
-        self._event_times: list[int] = []
-        self._next_row = 0
-        self._fast_to = 0
-        """The short way serves reads before this time (ns); 0 while it is closed."""
-        self._fresh_ns = self._fresh_to = 0
-        """A tick of the sensor time, and until when it is the newest sample's; 0 while the way is closed."""
+        self._open = False
+        """Whether the short way is open."""
+        self._fast_to = self._fresh_to = 0
+        """Before which times (ns) it serves reads at all, and those that find the newest sample's sensor
+        time; 0 while it is closed."""
         self._times: list[int] = []
-        self._image = b""
-        self._at = self._next_ns = 0
-        """Where the newest sample lies in the image, and when the next one comes."""
+        self._image = self._frame = b""
+        """Of the block, and in it of the newest sample."""
+        self._next_ns = 0
+        """When the next sample comes."""
+        self._feed: Iterator[tuple[int, int, bytes]] = iter(())
+        """Of the coming data-ready events `_next_ns`, `_fresh_to` and `_frame`."""
         self._numerator = self._denominator = 1
         self._tick_bias = 0
         self._power_up(start_ns)
@@ -105,32 +109,37 @@ class Bmi160(BusSide):
 
     def transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
         """One chip-select low period; see `hal.emulated.spi.SpiSlave`."""
+        if start_ns < self._fresh_to and mosi[0] == _BURST and len(mosi) == _BURST_LENGTH:
+            self._burst_ns = start_ns
+            if self._pulsing:
+                self._end_by_read()
+            return self._frame
         if start_ns >= self._fast_to or mosi[0] != _BURST or len(mosi) != _BURST_LENGTH:
             return self._transaction(mosi, start_ns, end_ns)
-        self._burst_ns = start_ns
-        if self._pulsing:
-            self._pulsing = False
-            self._expect_read = True
-            self._net.set(not self._active)  # type: ignore[union-attr]
-        if start_ns >= self._fresh_to:
-            return self._later_burst(start_ns)
-        at = self._at
-        return self._image[at : at + STRIDE]
+        return self._later_burst(start_ns)
+
+    def _end_by_read(self) -> None:
+        """A read ends the pulse of data ready."""
+        self._pulsing = False
+        self._expect_read = True
+        self._net.set(self._idle)  # type: ignore[union-attr]
 
     def _later_burst(self, time_ns: int) -> bytes:
         """The newest sample at a time inside the block, with the sensor time of that moment."""
+        self._burst_ns = time_ns
+        if self._pulsing:
+            self._end_by_read()
         if time_ns >= self._next_ns:
             self._find_row(time_ns)
-        at = self._at
         tick = (time_ns * self._denominator + self._tick_bias) // self._numerator & COUNTER_MASK
-        return self._image[at : at + DATA_END] + tick.to_bytes(3, "little")
+        return self._frame[:DATA_END] + tick.to_bytes(3, "little")
 
     def _find_row(self, time_ns: int) -> None:
         """Move the short way to the newest sample at a time inside the block."""
         row = bisect_right(self._times, time_ns) - 1
-        self._at = row * STRIDE
+        self._frame = self._image[row * STRIDE : (row + 1) * STRIDE]
         self._next_ns = self._times[row + 1]
-        self._fresh_to = self._times[row] + self._fresh_ns
+        self._fresh_to = min(self._times[row] + self._numerator // self._denominator, self._fast_to)
 
     def _arm_short_way(self, time_ns: int) -> None:
         """Let the common burst read be served from the block, where nothing but time can change it."""
@@ -148,11 +157,12 @@ class Bmi160(BusSide):
         self._numerator, self._denominator = data.clock.numerator, data.clock.denominator
         self._tick_bias = (1 - data.clock.start_ns) * self._denominator - 1
         self._fast_to = sampler.times[-1] if due is None else min(sampler.times[-1], due)
-        self._fresh_ns = self._numerator // self._denominator
+        self._open = True
         self._find_row(time_ns)
 
     def _close_short_way(self) -> None:
-        self._fast_to = self._fresh_to = self._fresh_ns = 0
+        self._open = False
+        self._fast_to = self._fresh_to = 0
 
     def pretend_id(self, chip_id: int | None) -> None:
         """Answer with another CHIP_ID; None: with its own again."""
@@ -179,9 +189,7 @@ class Bmi160(BusSide):
         if self._net is None:
             self._outputs.drive(time_ns)
         elif self._pulsing and not self._core.data.interrupts.active(Source.DATA_READY, time_ns):
-            self._pulsing = False
-            self._expect_read = True
-            self._net.set(not self._active)
+            self._end_by_read()
         self._arm_short_way(time_ns)
 
     def _after_change(self, time_ns: int) -> None:
@@ -259,60 +267,65 @@ class Bmi160(BusSide):
         data = self._core.data
         self._net = self.pins[PIN_NAMES[pin]]
         self._active = self._outputs.active_level(pin)
+        self._idle = not self._active
         self._pulsing = data.interrupts.active(Source.DATA_READY, time_ns)
         sampler = data.sampler
         sampler.cover(max(data.clock.tick(time_ns), sampler.first_tick))
-        self._event_times = sampler.times
-        self._next_row = bisect_right(sampler.times, time_ns)
-        first = sampler.times[self._next_row]
+        row = bisect_right(sampler.times, time_ns)
+        self._feed_from(row)
+        self._next_ns = first = sampler.times[row]
         if self._pulsing:
             self._pulse_ends = True
             first = data.interrupts.next_change(time_ns) or first
         self._event = self._time.at(first, self._data_ready)
 
+    def _feed_from(self, row: int) -> None:
+        """The block's samples from `row` on, as their events want them."""
+        data = self._core.data
+        instants = data.sampler.instants[row:]
+        fresh_to = instants + data.clock.numerator // data.clock.denominator
+        self._feed = zip(instants[1:].tolist(), fresh_to.tolist(), data.sampler.frames(row), strict=False)
+
     def _data_ready(self) -> int | None:
         """Event: a new sample. The pulse ends when the data are read; only for a reader that does not read
         in time its end is an event of its own."""
-        net = self._net
-        assert net is not None
         if self._pulse_ends:
-            return self._end_pulse(net)
-        row = self._next_row
+            return self._end_pulse()
         try:
-            next_ns = self._event_times[row + 1]
-        except IndexError:
-            if not net.listened:
-                self._schedule(self._time.now)
-                return None
-            self._next_block()
-            row, next_ns = 0, self._event_times[1]
-        self._next_row = row + 1
-        self._at = row * STRIDE
-        self._next_ns = next_ns
-        self._fresh_to = self._time.now + self._fresh_ns
+            self._next_ns, self._fresh_to, self._frame = next(self._feed)
+        except StopIteration:
+            return self._begin_block()
+        if not self._open:
+            self._fresh_to = 0
+        net = self._net
         if self._pulsing:
             self._expect_read = False
-            net.set(not self._active)
+            net.set(self._idle)  # type: ignore[union-attr]
         self._pulsing = True
-        net.set(self._active)
+        net.set(self._active)  # type: ignore[union-attr]
         if self._expect_read:
-            return next_ns
+            return self._next_ns
         self._pulse_ends = True
         return self._time.now + self._core.data.interrupts.pulse_ns
 
-    def _end_pulse(self, net: PinNet) -> int:
+    def _end_pulse(self) -> int:
         """Event: nobody read in time. Returns when the next sample comes."""
         self._pulse_ends = False
         if self._pulsing:
             self._pulsing = False
-            net.set(not self._active)
-        return self._event_times[self._next_row]
+            self._net.set(self._idle)  # type: ignore[union-attr]
+        return self._next_ns
 
-    def _next_block(self) -> None:
+    def _begin_block(self) -> int | None:
+        """Event: a new sample, the first of the next block."""
         now = self._time.now
+        if not self._net.listened:  # type: ignore[union-attr]
+            self._schedule(now)
+            return None
         self._settle_short_way()
         self._core.advance(now)
         sampler = self._core.data.sampler
         sampler.cover(sampler.clock.tick(now))
-        self._event_times = sampler.times
         self._arm_short_way(now)
+        self._feed_from(0)
+        return self._data_ready()

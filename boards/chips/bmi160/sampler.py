@@ -76,8 +76,10 @@ class Sampler:
         self.end_tick = 0
         """The block holds the grid samples in [first_tick, end_tick); empty before the first is loaded."""
         self.image = b""
+        self.instants: NDArray[np.int64] = np.empty(0, np.int64)
+        """When the block's samples come (ns), and the one after them."""
         self.times: list[int] = []
-        """Instants (ns) of the block's samples and of the one after them."""
+        """The same as integers."""
         self.held = bytes(12)
         """The data registers before the block's first sample."""
         self._resume_tick = 0
@@ -133,6 +135,11 @@ class Sampler:
         at = (tick - self.first_tick) // self.grid * STRIDE
         return self.image[at + 1 : at + DATA_END]
 
+    def frames(self, row: int) -> list[bytes]:
+        """The block's image from its sample `row` on, cut up."""
+        frames: list[bytes] = np.frombuffer(self.image, f"V{STRIDE}")[row:].tolist()
+        return frames
+
     def unfiltered(self, tick: int) -> bytes:
         """Like `registers`, of the data before the filters."""
         at = (tick - self.first_tick) // self.grid * STRIDE
@@ -172,7 +179,8 @@ class Sampler:
         values = np.ascontiguousarray(self.world.sample(times[:-1], self._bandwidth), np.float64)
         if lead:
             self._history, values = values[:lead], values[lead:]
-        self.times = times[lead:].tolist()
+        self.instants = times[lead:]
+        self.times = self.instants.tolist()
         self.first_tick = first
         self.end_tick = first + count * self.grid
         self._values = values
