@@ -42,11 +42,12 @@ TEXTS = (
     "read",
     "refusal",
     "sender",
+    "processor",
 )
-INTEGERS = ("identifier", "baud", "address", "acknowledged", "asked")
+INTEGERS = ("identifier", "baud", "address", "acknowledged", "asked", "reset_ns", "rate_ppb")
 
 
-def export(capture: Path, kind: str, target: Path, topic: str | None) -> list[Path]:
+def export(reader: CaptureReader, kind: str, target: Path, topic: str | None) -> list[Path]:
     """Write a capture, or one topic of it, as `kind`; returns the files made.
 
     csv, parquet: a folder with one file a topic; nmea, candump, vcd: one file. Raises UserError.
@@ -56,10 +57,10 @@ def export(capture: Path, kind: str, target: Path, topic: str | None) -> list[Pa
     if target.exists() and (target.is_file() or any(target.iterdir())):
         raise UserError(f"-o {target}: exists already; name a new file or folder")
     with made_aside(target, "-o") as part:
-        made = KINDS[kind](CaptureReader(capture), part, topic)
+        made = KINDS[kind](reader, part, topic)
         if not made:
             what = "" if topic is None else f" under {topic}"
-            raise UserError(f"capture {capture}: holds nothing for {kind}{what}")
+            raise UserError(f"capture {reader.path}: holds nothing for {kind}{what}")
     return [target / path.name if path.parent == part else target for path in made]
 
 

@@ -87,9 +87,8 @@ class Overview:
         }
 
 
-def look_over(path: Path) -> Overview:
+def look_over(reader: CaptureReader) -> Overview:
     """Read a capture once. Raises UserError when it is none."""
-    reader = CaptureReader(path)
     uses: dict[str, TopicUse] = {}
     doubts = Doubts()
     for message in reader.messages():
@@ -104,10 +103,10 @@ def look_over(path: Path) -> Overview:
     last_ns = max((use.last_ns for use in uses.values()), default=0) if doubts.paced_topics else 0
     recorded_ns = duration_ns if duration_ns is not None else max(doubts.mark_ns, last_ns)
     overview = Overview(
-        path=path,
+        path=reader.path,
         format=reader.format,
         manifest=reader.manifest,
-        size=path.stat().st_size,
+        size=reader.path.stat().st_size,
         whole_bytes=reader.whole_bytes,
         complete=reader.complete,
         state_hash=(reader.summary or {}).get("state_hash"),

@@ -81,12 +81,11 @@ class CaptureReader:
         """So much of the file could be read."""
 
     def __iter__(self) -> Iterator[Traffic | Decoded]:
-        with self._opened() as file:
-            for record in self._records(file):
-                if isinstance(record, Message):
-                    yield from self._message(record)
-                else:
-                    self._note(record)
+        for message in self.messages():
+            if message.is_raw:
+                yield from unpack(message.schema.name, message.topic, message.data)
+            else:
+                yield Decoded(message.topic, message.time_ns, json.loads(message.data))
 
     def messages(self) -> Iterator[RawMessage]:
         """Every message as it stands in the file."""
@@ -223,14 +222,6 @@ class CaptureReader:
         if not isinstance(found, dict):
             raise self._foreign(f"{what} is no table")
         return found
-
-    def _message(self, message: Message) -> Iterator[Traffic | Decoded]:
-        channel = self._channels[message.channel_id]
-        schema = self._schemas[channel.schema_id].name
-        if schema in SCHEMAS:
-            yield from unpack(schema, channel.topic, message.data)
-        else:
-            yield Decoded(channel.topic, message.log_time, json.loads(message.data))
 
 
 def _joined(raw: dict[str, list[bytes]]) -> dict[str, bytes]:

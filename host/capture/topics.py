@@ -20,6 +20,9 @@ EVENTS = ("/event", "navtwin.Event")
 CONTROL = ("/control", "navtwin.Control")
 """What was done to the board from outside while it was served, with what belongs to each command."""
 
+CLOCK = ("/clock", "navtwin.Clock")
+"""When a processor's clock began to count: at power-on and after each reset."""
+
 NUMBER = {"type": ["number", "null"]}
 
 
@@ -38,6 +41,17 @@ def control_schema() -> bytes:
     """JSON schema of a command; each has further keys of its own."""
     fields = {"t_s": {"type": "number"}, "time_ns": {"type": "integer"}, "command": {"type": "string"}}
     return _schema(CONTROL[1], fields)
+
+
+def clock_schema() -> bytes:
+    """JSON schema of a clock's beginning."""
+    fields = {
+        "t_s": {"type": "number"},
+        "reset_ns": {"type": "integer"},
+        "processor": {"type": "string"},
+        "rate_ppb": {"type": "integer"},
+    }
+    return _schema(CLOCK[1], fields)
 
 
 def _schema(name: str, properties: Mapping[str, object]) -> bytes:

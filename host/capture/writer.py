@@ -43,18 +43,20 @@ from host.capture.blocks import (
 )
 from host.capture.can_senders import with_senders
 from host.capture.inertial_samples import DECODERS, IMU, Bmi160Traffic
-from host.capture.location_fix import LOCATION_FIX, TOPICS, Fixes
+from host.capture.location_fix import LOCATION_FIX, TOPICS
 from host.capture.location_fix import schema as location_fix_schema
+from host.capture.row_messages import RowMessages, event_message
 from host.capture.topics import (
+    CLOCK,
     CONTROL,
     EVENTS,
     IMU_SCHEMA,
     TABLES,
+    clock_schema,
     control_schema,
     event_schema,
     table_schema,
 )
-from host.record.row_text import RowText
 from host.record.tables import Table
 
 CAPTURE_FORMAT = "navtwin-capture-3"
@@ -94,11 +96,13 @@ class CaptureWriter:
         """Of each chip select the records, and MOSI of the transactions of two bytes: register accesses."""
         self._shown: list[tuple[int, str, Bmi160Traffic]] = []
         self._marks = self._raw_channel(MARK_TOPIC, "navtwin.Mark")
-        self._tables = {topic: self._table_channel(topic, *table) for topic, table in TABLES.items()}
-        self._fixes = {topic: (self._fix_channel(place), Fixes.of(topic)) for topic, place in TOPICS.items()}
+        self._row_messages = RowMessages()
+        self._row_channels = {topic: self._table_channel(topic, *table) for topic, table in TABLES.items()}
+        self._row_channels |= {place: self._fix_channel(place) for place in TOPICS.values()}
         self._control: int | None = None
         """Only of a run that is served."""
         self._events = self._channel(EVENTS[0], "json", EVENTS[1], "jsonschema", event_schema())
+        self._clocks = self._channel(CLOCK[0], "json", CLOCK[1], "jsonschema", clock_schema())
 
     # -- raw traffic -------------------------------------------------------------------------------
 
@@ -172,19 +176,13 @@ class CaptureWriter:
 
     def rows(self, topic: str, rows: NDArray[np.float64]) -> None:
         """Rows of a table of `host.record.tables` ("/solution", "/gnss", …); column 0 is the time in s."""
-        channel, text = self._tables[topic]
-        times_ns = np.rint(np.maximum(rows[:, 0], 0.0) * 1e9).astype(np.int64).tolist()
-        for t_ns, message in zip(times_ns, text.texts(rows), strict=True):
-            self._writer.add_message(channel, t_ns, message, t_ns)
-        if topic in self._fixes:
-            place, fixes = self._fixes[topic]
-            for t_ns, message in fixes.texts(rows):
-                self._writer.add_message(place, t_ns, message, t_ns)
+        for place, t_ns, message in self._row_messages.of(topic, rows):
+            self._writer.add_message(self._row_channels[place], t_ns, message, t_ns)
 
     def show_sensor(self, refdes: str, part: str, bus: str) -> None:
         """Show samples of an inertial sensor under /imu/<refdes>, when its part is known; see `glimpse`."""
         if part in DECODERS and bus in self._spi:
-            channel, _text = self._table_channel(f"/imu/{refdes}", IMU_SCHEMA, IMU)
+            channel = self._table_channel(f"/imu/{refdes}", IMU_SCHEMA, IMU)
             self._shown.append((channel, bus, DECODERS[part]()))
 
     def glimpse(self) -> None:
@@ -197,8 +195,13 @@ class CaptureWriter:
 
     def event(self, t_ns: int, source: str, text: str) -> None:
         """Something worth telling."""
-        message = json.dumps({"t_s": t_ns / 1e9, "source": source, "text": text}, separators=(",", ":"))
-        self._writer.add_message(self._events, t_ns, message.encode(), t_ns)
+        self._writer.add_message(self._events, t_ns, event_message(t_ns, source, text), t_ns)
+
+    def clock(self, reset_ns: int, processor: str, rate_ppb: int) -> None:
+        """From `reset_ns` on a processor's clock counts anew, too fast by `rate_ppb`."""
+        entry = {"t_s": reset_ns / 1e9, "reset_ns": reset_ns, "processor": processor, "rate_ppb": rate_ppb}
+        text = json.dumps(entry, separators=(",", ":")).encode()
+        self._writer.add_message(self._clocks, reset_ns, text, reset_ns)
 
     def control(self, t_ns: int, command: str, details: Mapping[str, Any]) -> None:
         """Something was done to the board from outside."""
@@ -253,9 +256,8 @@ class CaptureWriter:
     def _fix_channel(self, topic: str) -> int:
         return self._channel(topic, "json", LOCATION_FIX, "jsonschema", location_fix_schema())
 
-    def _table_channel(self, topic: str, schema: str, table: Table) -> tuple[int, RowText]:
-        channel = self._channel(topic, "json", schema, "jsonschema", table_schema(schema, table))
-        return channel, RowText.json(table.columns, table.decimals)
+    def _table_channel(self, topic: str, schema: str, table: Table) -> int:
+        return self._channel(topic, "json", schema, "jsonschema", table_schema(schema, table))
 
     def _channel(
         self, topic: str, encoding: str, schema: str, schema_encoding: str, definition: bytes

@@ -1,4 +1,4 @@
-"""`navtwin capture`: look at captures, check, cut and export them."""
+"""`navtwin capture`: look at captures, check, cut, export and repair them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import typer
 from host.cli.exit_codes import NOTHING_WRITTEN, guarded
 
 app = typer.Typer(
-    help="Look at captures, check, cut and export them.",
+    help="Look at captures, check, cut, export and repair them.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -26,7 +26,7 @@ Json = Annotated[
 
 @app.callback()
 def _group() -> None:
-    """Look at captures, check, cut and export them."""
+    """Look at captures, check, cut, export and repair them."""
 
 
 @app.command("info")
@@ -90,5 +90,20 @@ def export_command(
         from host.cli.capture_run import make_export
 
         return make_export(capture, kind, output, topic)
+
+    guarded(command, NOTHING_WRITTEN)
+
+
+@app.command("repair")
+def repair_command(
+    capture: Capture,
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="The new capture.")],
+) -> None:
+    """A capture that was cut off, with the decoded rows that it lacks and an index for other tools."""
+
+    def command() -> int:
+        from host.cli.capture_run import make_repair
+
+        return make_repair(capture, output)
 
     guarded(command, NOTHING_WRITTEN)

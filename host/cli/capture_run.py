@@ -12,24 +12,26 @@ from host.capture.topics import IMPORT_FORMAT
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.output_files import STANDARD_OUTPUT, write_json
 from host.cli.terminal import print_section, standard_output
+from host.recovery.repair import repair
+from host.recovery.whole_reader import WholeReader
 from host.report.summary import Section
 
 
 def show_info(capture: Path, target: str | None) -> int:
     """What was captured."""
-    overview = look_over(capture_path(capture))
-    write_json(overview.to_dict(), target)
+    overview, reader = _looked_over(capture)
+    write_json({**overview.to_dict(), "decoded_anew": reader.added}, target)
     if target != STANDARD_OUTPUT:
         console = standard_output()
-        print_section(console, Section("Capture", ("", ""), tuple(_facts(overview)), words=2))
+        print_section(console, Section("Capture", ("", ""), tuple(_facts(overview, reader)), words=2))
         print_section(console, _topics(overview))
     return EXIT_MET
 
 
 def show_check(capture: Path, target: str | None) -> int:
     """What is missing."""
-    overview = look_over(capture_path(capture))
-    write_json(overview.to_dict(), target)
+    overview, reader = _looked_over(capture)
+    write_json({**overview.to_dict(), "decoded_anew": reader.added}, target)
     if target != STANDARD_OUTPUT:
         console = standard_output()
         for finding in overview.findings:
@@ -39,21 +41,38 @@ def show_check(capture: Path, target: str | None) -> int:
     return EXIT_MET if not overview.findings else EXIT_NOT_MET
 
 
+def _looked_over(capture: Path) -> tuple[Overview, WholeReader]:
+    reader = WholeReader(capture_path(capture))
+    overview = look_over(reader)
+    overview.findings += reader.notes
+    return overview, reader
+
+
 def make_cut(capture: Path, target: Path, from_s: float, to_s: float) -> int:
     """A stretch as a capture of its own."""
-    messages = cut(capture_path(capture), target, from_s, to_s)
+    messages = cut(WholeReader(capture_path(capture)), target, from_s, to_s)
     print(f"{target}: {messages:,} messages")
     return EXIT_MET
 
 
 def make_export(capture: Path, kind: str, target: Path, topic: str | None) -> int:
     """Other formats."""
-    for path in export(capture_path(capture), kind, target, topic):
+    for path in export(WholeReader(capture_path(capture)), kind, target, topic):
         print(f"  {path}  {path.stat().st_size:,} bytes")
     return EXIT_MET
 
 
-def _facts(overview: Overview) -> list[tuple[str, str]]:
+def make_repair(capture: Path, target: Path) -> int:
+    """What is missing, and an index."""
+    reader = repair(capture_path(capture), target)
+    added = ", ".join(f"{count:,} to {topic}" for topic, count in sorted(reader.added.items()))
+    print(f"{target}: added {added or 'an index'}")
+    for note in reader.notes:
+        print(f"- {note}")
+    return EXIT_MET
+
+
+def _facts(overview: Overview, reader: WholeReader) -> list[tuple[str, str]]:
     manifest = overview.manifest
     if manifest.get("format") == IMPORT_FORMAT:
         return _facts_of_import(overview)
@@ -67,6 +86,10 @@ def _facts(overview: Overview) -> list[tuple[str, str]]:
         ("recorded", f"{overview.recorded_s:,.3f} s{'' if overview.duration_s else ', the run did not end'}"),
         ("state hash", overview.state_hash or "none"),
     ]
+    if reader.added:
+        facts.append(("decoded anew", f"{sum(reader.added.values()):,} messages, from the raw traffic"))
+    if "repaired" in manifest:
+        facts.append(("repaired", "what was missing is decoded anew"))
     if "cut" in manifest:
         facts.append(("cut", f"from {manifest['cut']['from_s']:g} to {manifest['cut']['to_s']:g} s"))
     return facts

@@ -69,7 +69,7 @@ class Recorder:
         self._innovations: list[Innovation] = []
         self._biases: list[BiasEstimate] = []
         self._finished = False
-        self._last_slot = -1.0
+        self._thinning = Thinning()
         self._folder = RunFolder(out_dir, manifest) if out_dir is not None else None
         self.capture: CaptureWriter | None = None
         if self._folder is not None:
@@ -88,7 +88,7 @@ class Recorder:
         if self._folder is not None:
             self._csv.write(self._csv_text.text(rows))
         if self.capture is not None:
-            self.capture.rows("/solution", self._thinned(rows))
+            self.capture.rows("/solution", self._thinning.thinned(rows))
         self._pass_on_slow_rows()
 
     def add_gnss(self, epochs: GnssBatch, truth: MotionBatch) -> None:
@@ -250,8 +250,15 @@ class Recorder:
                 self.capture.rows("/bias", rows)
             self._biases = []
 
-    def _thinned(self, rows: Floats) -> Floats:
-        """The first row of each fifth of a second."""
+
+class Thinning:
+    """Takes the first row of each fifth of a second; batches come in the order of time."""
+
+    def __init__(self) -> None:
+        self._last_slot = -1.0
+
+    def thinned(self, rows: Floats) -> Floats:
+        """Those of one batch."""
         slots = np.floor(rows[:, 0] * SHOWN_PER_SECOND + 1e-6)
         chosen = rows[np.diff(slots, prepend=self._last_slot) > 0]
         self._last_slot = max(self._last_slot, *slots[-1:].tolist())

@@ -126,6 +126,9 @@ class Comparison:
     def glimpse(self) -> None:
         """Nothing is shown."""
 
+    def clock(self, reset_ns: int, processor: str, rate_ppb: int) -> None:
+        """Nothing is told."""
+
     def load(self, topic: str, block: bytes) -> None:
         """Recorded traffic up to the next mark."""
         if topic in self.wires:

@@ -12,11 +12,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from boards.places import board_folder
-from host.capture.reader import CaptureReader
 from host.capture.topics import IMPORT_FORMAT
 from host.record.errors import UserError
 from host.record.manifest import build_manifest
 from host.record.result import RunRequest, RunResult
+from host.recovery.whole_reader import WholeReader
 from host.replay.imported import ImportedContent, imported_manifest
 from host.replay.recorded_world import CaptureContent, RecordedContent, RecordedVehicle, RecordedWorld
 from host.replay.request import REPLAY_FORMAT, ReplayRequest
@@ -46,7 +46,7 @@ class PhysicalResult:
 
 def replay_physical(request: ReplayRequest) -> PhysicalResult:
     """Replay a capture. Raises UserError for whatever the user can mend."""
-    reader = CaptureReader(request.capture)
+    reader = WholeReader(request.capture)
     next(iter(reader.windows()), None)
     content: RecordedContent
     if reader.manifest.get("format") == IMPORT_FORMAT:

@@ -154,9 +154,7 @@ class RecordedVehicle:
         source = name if name in samples else next(iter(samples))
         return FeltImu(samples[source], self._capture.mountings[source], mounting)
 
-    def gnss(
-        self, name: str, lever_arm: Array, second_lever_arm: Array | None = None
-    ) -> RecordedEpochs:
+    def gnss(self, name: str, lever_arm: Array, second_lever_arm: Array | None = None) -> RecordedEpochs:
         """The recorded receiver."""
         return RecordedEpochs(self._capture.epochs, self._capture.climbs, self._scenario, self.outages)
 

@@ -21,6 +21,7 @@ from host.capture.places import NAMES, capture_path
 from host.capture.reader import CaptureReader
 from host.record.errors import UserError
 from host.record.run_data import NAVIGATING
+from host.recovery.whole_reader import WholeReader
 from host.replay.comparison import Compared, Difference
 from host.replay.road import NS, Road, metres_per_radian
 from host.score.errors import wrapped
@@ -104,7 +105,7 @@ class _Run:
         self.capture = capture_path(given) if has_capture else None
         self.rows: list[dict[str, Any]] = []
         if self.capture is not None:
-            reader = CaptureReader(self.capture)
+            reader = WholeReader(self.capture)
             for message in reader.messages():
                 if message.topic == "/solution":
                     self.rows.append(json.loads(message.data))

@@ -45,7 +45,7 @@ def recorded_setup(manifest: Mapping[str, Any], board: str | None, profile: str 
             " navtwin attach board --port CAPTURE shadows it again"
         )
     overrides = [str(change) for change in manifest["overrides"]]
-    scenario = _scenario(manifest, overrides)
+    scenario = recorded_scenario(manifest)
     name = board or str(manifest["board"])
     described = _board(name, manifest, scenario, overrides, named=board is not None)
     profile_name = profile or str(manifest["profile"])
@@ -60,7 +60,7 @@ def recorded_setup(manifest: Mapping[str, Any], board: str | None, profile: str 
 def recorded_board(manifest: Mapping[str, Any]) -> Board:
     """The board as it was when the capture was made. Raises DescriptionError or ScenarioError."""
     overrides = [str(change) for change in manifest["overrides"]]
-    data = merged(_parsed(str(manifest["board_text"]), "board_text"), _scenario(manifest, overrides).board)
+    data = merged(_parsed(str(manifest["board_text"]), "board_text"), recorded_scenario(manifest).board)
     described = apply_overrides(data, _with_prefix(overrides, BOARD_PREFIX))
     return validated(Board, described, f"board {manifest['board']} in the capture")
 
@@ -78,7 +78,9 @@ def _parsed(text: str, name: str) -> dict[str, Any]:
         raise UserError(f"the capture's manifest is damaged: {name} is not valid TOML: {error}") from None
 
 
-def _scenario(manifest: Mapping[str, Any], overrides: list[str]) -> Scenario:
+def recorded_scenario(manifest: Mapping[str, Any]) -> Scenario:
+    """The scenario that the capture was made with. Raises UserError or ScenarioError."""
+    overrides = [str(change) for change in manifest["overrides"]]
     data: dict[str, Any] = {}
     own, *inherited = str(manifest["scenario_text"]).split(INHERITED)
     for text in (*(f"# {rest}" for rest in reversed(inherited)), own):

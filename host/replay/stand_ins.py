@@ -43,14 +43,18 @@ class Diverged(BaseException):
         self.replayed = replayed
 
 
-def with_stand_ins(description: Board) -> Board:
-    """The board with every chip exchanged for a stand-in."""
+def with_stand_ins(description: Board) -> tuple[Board, dict[str, SpiTape]]:
+    """The board with every chip exchanged for a stand-in, and the tapes of those on chip selects."""
     addresses = count(FIRST_ADDRESS)
     chips = {}
+    tapes: dict[str, SpiTape] = {}
     for refdes, chip in description.chips.items():
-        parameters: dict[str, Any] = {"pin_names": tuple(chip.pins), "address": next(addresses)}
+        tape = SpiTape(f"{chip.bus}.{chip.name or refdes}")
+        if chip.bus is not None and description.buses[chip.bus].kind == "spi":
+            tapes[tape.name] = tape
+        parameters = {"pin_names": tuple(chip.pins), "address": next(addresses), "tape": tape}
         chips[refdes] = chip.model_copy(update={"model": MODEL, "parameters": parameters})
-    return description.model_copy(update={"chips": chips})
+    return description.model_copy(update={"chips": chips}), tapes
 
 
 class StandIn:
@@ -59,11 +63,12 @@ class StandIn:
     def __init__(
         self,
         _time: VirtualTime,
-        tape: SpiTape,
+        _world: object,
         _line: UartWire | None = None,
         *,
         pin_names: tuple[str, ...],
         address: int,
+        tape: SpiTape,
     ) -> None:
         self.pins: dict[str, Net | None] = dict.fromkeys(pin_names)
         self.i2c = self
@@ -219,38 +224,24 @@ class LineTape:
             self._wire.retract(piece)
 
 
-class Recorded:
-    """Implements `boards.assembly.Surroundings`: each chip on a chip select gets its tape."""
+class NoSurroundings:
+    """Implements `boards.assembly.Surroundings` for a board of stand-ins, which feel nothing."""
 
-    def __init__(self, description: Board) -> None:
-        self._description = description
-        self.tapes: dict[str, SpiTape] = {}
+    def imu(self, _refdes: str, _chip: Any) -> Any:
+        """Nothing."""
 
-    def imu(self, refdes: str, chip: Any) -> Any:
-        """The tape of a chip."""
-        return self._tape(refdes, chip)
+    def gnss(self, _refdes: str, _chip: Any) -> Any:
+        """Nothing."""
 
-    def gnss(self, refdes: str, chip: Any) -> Any:
-        """The tape of a chip."""
-        return self._tape(refdes, chip)
+    def compass(self, _refdes: str, _chip: Any) -> Any:
+        """Nothing."""
 
-    def compass(self, refdes: str, chip: Any) -> Any:
-        """The tape of a chip."""
-        return self._tape(refdes, chip)
-
-    def ten_dof(self, refdes: str, chip: Any) -> Any:
-        """The tape of a chip."""
-        return self._tape(refdes, chip)
+    def ten_dof(self, _refdes: str, _chip: Any) -> Any:
+        """Nothing."""
 
     def log_sink(self, _name: str) -> Any:
         """Nowhere: the log is made of what is compared already."""
         return _drop
-
-    def _tape(self, refdes: str, chip: Any) -> SpiTape:
-        tape = SpiTape(f"{chip.bus}.{chip.name or refdes}")
-        if chip.bus is not None and self._description.buses[chip.bus].kind == "spi":
-            self.tapes[tape.name] = tape
-        return tape
 
 
 def _drop(_block: bytes) -> None:

@@ -33,7 +33,7 @@ from host.replay.stand_ins import (
     I2cTape,
     LineTape,
     NetTape,
-    Recorded,
+    NoSurroundings,
     with_stand_ins,
 )
 from host.run.faults import place_faults
@@ -135,9 +135,8 @@ class Player:
     """A board on recorded traffic. `difference`: where it first did something else; None: nowhere."""
 
     def __init__(self, setup: Setup, reader: CaptureReader, seed: int) -> None:
-        description = with_stand_ins(setup.board)
-        self.surroundings = Recorded(description)
-        self.board = board = assemble(description, setup.profile, self.surroundings)
+        description, tapes = with_stand_ins(setup.board)
+        self.board = board = assemble(description, setup.profile, NoSurroundings())
         own = [fault for fault in setup.scenario.fault if fault.kind in OWN_FAULTS]
         self._control = ControlTape(board, seed, place_faults(own, board, {}, seed, FAR))
         outputs = _output_nets(setup.board)
@@ -150,7 +149,7 @@ class Player:
         self._nets = {
             pin_topic(name): NetTape(net) for name, net in board.nets.items() if name not in outputs
         }
-        self._spi = {spi_topic(name): tape for name, tape in self.surroundings.tapes.items()}
+        self._spi = {spi_topic(name): tape for name, tape in tapes.items()}
         self._i2c: dict[str, I2cTape] = {}
         for name, bus in board.i2c_buses.items():
             tape = self._i2c[i2c_topic(name)] = I2cTape(name)

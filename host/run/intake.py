@@ -7,22 +7,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from boards.assembly import AssembledBoard
 from firmware.drivers import gnss_epoch as gnss
 from firmware.link import frames
 from host.link.attitude import SOLUTIONS, solution_rows
 from host.link.decoder import LinkDecoder
-from host.record.recorder import Recorder
 from host.record.run_data import BiasEstimate, GnssBatch, Innovation, MotionBatch, SolutionBatch
 from host.run.arrivals import Arrivals, Piece
-from host.run.surroundings import Installation, ReceiverSight
+from host.run.surroundings import Installation
 from host.run.time_tags import TimeTags
 from host.sim.truth import TruthBatch
-from host.sim.world import World
 
 Floats = NDArray[np.float64]
 NANODEG = math.pi / 180.0 * 1e-9
@@ -40,17 +38,74 @@ SOLUTION_FIELDS = (
 UPPER = np.triu_indices(9)
 
 
+class Takes(Protocol):
+    """Who takes what the board said: `host.record.recorder` while it runs."""
+
+    def add_solution(self, solution: SolutionBatch, truth: MotionBatch) -> None:
+        """Solutions with the truth at the same instants."""
+        ...
+
+    def add_gnss(self, epochs: GnssBatch, truth: MotionBatch) -> None:
+        """Receiver epochs with the truth at the antenna."""
+        ...
+
+    def add_covariance(self, t: float, covariance: Floats) -> None:
+        """The filter's covariance."""
+        ...
+
+    def add_innovation(self, innovation: Innovation) -> None:
+        """Innovations of one GNSS update."""
+        ...
+
+    def add_bias(self, bias: BiasEstimate) -> None:
+        """Slow filter states."""
+        ...
+
+    def add_event(self, t_ns: int, source: str, text: str) -> None:
+        """What the board told in words."""
+        ...
+
+    def add_status(self, rows: Floats) -> None:
+        """Its counters."""
+        ...
+
+
+class Truths(Protocol):
+    """Who knows what was true: `host.sim.world`."""
+
+    def truth(self, times_ns: NDArray[np.int64]) -> TruthBatch:
+        """At the vehicle's origin."""
+        ...
+
+    def antenna_truth(self, times_ns: NDArray[np.int64], lever_arm: Floats) -> TruthBatch:
+        """At a point of the body."""
+        ...
+
+
+class Sight(Protocol):
+    """Who knows when the receiver's epochs were valid."""
+
+    def validity_ns(
+        self, time_of_day_ms: NDArray[np.float64], otherwise_ns: NDArray[np.int64]
+    ) -> NDArray[np.int64]:
+        """Of epochs told by their UTC time of day."""
+        ...
+
+
 class LinkIntake:
-    """Understands the host port of one board. `flush` hands over what has come since the last time."""
+    """Understands the host port of one board. `flush` hands over what has come since the last time.
+
+    `virtual_ns`: the virtual time at which the processor's clock, since its last reset, showed so many ns;
+    before that clock begins anew, `flush` is to be called.
+    """
 
     def __init__(
         self,
-        board: AssembledBoard,
-        world: World,
-        recorder: Recorder,
-        sight: ReceiverSight | None,
+        virtual_ns: Callable[[int], int],
+        world: Truths,
+        recorder: Takes,
+        sight: Sight | None,
         installation: Installation,
-        port: str = HOST_PORT,
     ) -> None:
         self.decoder = LinkDecoder()
         self.tags = TimeTags()
@@ -58,9 +113,7 @@ class LinkIntake:
         self._recorder = recorder
         self._sight = sight
         self._installation = installation
-        cpu = board.cpus[board.description.uarts[port].processor]
-        self._virtual_ns: Callable[[int], int] = cpu.virtual_ns
-        cpu.reset_hooks.append(self.flush)  # what has come belongs to the clock that ends here
+        self._virtual_ns = virtual_ns
         self._pieces: list[Piece] = []
         self._last_solution_ns = -1
         self.gather: Callable[[], None] = _nothing

@@ -64,6 +64,10 @@ class WireRecords(Protocol):
         """Time to show one."""
         ...
 
+    def clock(self, reset_ns: int, processor: str, rate_ppb: int) -> None:
+        """A processor's clock counts from `reset_ns` on."""
+        ...
+
     def flush(self, now_ns: int | None = None) -> None:
         """All that happened before has been told."""
         ...
@@ -152,6 +156,7 @@ class Ears:
             for refdes, chip in board.description.chips.items():
                 if chip.bus in board.spi_buses:
                     capture.show_sensor(refdes, chip.part, f"{chip.bus}.{chip.name or refdes}")
+            self._clocks_told: dict[str, int] = {}
             board.time.at(FLUSH_EVERY_NS, lambda: self._write_out(capture))
 
     def _tap(self, board: AssembledBoard, capture: WireRecords) -> None:
@@ -196,9 +201,18 @@ class Ears:
     def _write_out(self, capture: WireRecords) -> int:
         """Event: nothing stays in memory for as long as a second."""
         self.hand_on()
+        self._tell_clocks(capture)
         capture.glimpse()
         capture.flush(self._board.time.now)
         return self._board.time.now + FLUSH_EVERY_NS
+
+    def _tell_clocks(self, capture: WireRecords) -> None:
+        """Those that have begun to count since the last time."""
+        for name, cpu in self._board.cpus.items():
+            reset_ns = cpu.virtual_ns(0)
+            if self._clocks_told.get(name) != reset_ns:
+                self._clocks_told[name] = reset_ns
+                capture.clock(reset_ns, name, cpu.crystal_error_ppb)
 
     def _uart_recorder(self, port: str, direction: str) -> UartRecorder | None:
         return None if self._capture is None else self._capture.uart_recorder(port, direction)

@@ -17,8 +17,6 @@ from collections.abc import Iterator, Mapping
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
-import numpy as np
-
 from boards.assembly import AssembledBoard
 from boards.places import board_folder
 from hal.emulated.virtual_time import SECOND
@@ -59,9 +57,11 @@ class RunSession:
         self.faults: list[Placed] = ready.faults
         """Those of the scenario; further ones may be appended as they are placed."""
         board = self.board
+        cpu = board.cpus[board.description.uarts[HOST_PORT].processor]
         self._intake = LinkIntake(
-            board, world, recorder, _only_sight(ready.surroundings), _installation(setup)
+            cpu.virtual_ns, world, recorder, _only_sight(ready.surroundings), Installation.of(setup.board)
         )
+        cpu.reset_hooks.append(self._intake.flush)  # what has come belongs to the clock that ends here
         self.ears = Ears(board, HOST_PORT, self._intake.receive, recorder.capture)
         self._intake.gather = self.ears.hand_on
         self._looked_ns = 0
@@ -136,7 +136,10 @@ def open_session(request: RunRequest, stand_ins: Mapping[str, StandIn] | None = 
     Raises UserError for whatever the user can mend, before anything is written.
     """
     setup, world = prepared(request)
-    with session_in_world(request, setup, world, manifest_of(request, setup), stand_ins) as session:
+    manifest = manifest_of(request, setup)
+    if stand_ins:
+        manifest["stand_ins"] = {refdes: other.model for refdes, other in stand_ins.items()}
+    with session_in_world(request, setup, world, manifest, stand_ins) as session:
         yield session
 
 
@@ -191,14 +194,3 @@ def _rules(setup: Setup, recording: bool) -> ScoringRules:
 
 def _only_sight(surroundings: Surroundings) -> ReceiverSight | None:
     return next(iter(surroundings.sights.values()), None)
-
-
-def _installation(setup: Setup) -> Installation:
-    chips = setup.board.chips.values()
-    imu = next((chip for chip in chips if chip.is_inertial), None)
-    receiver = next((chip for chip in chips if chip.world == "gnss"), None)
-    return Installation(
-        C_b_s=np.array(imu.mounting) if imu else np.eye(3),
-        imu_lever_arm=np.array(imu.lever_arm_m) if imu else np.zeros(3),
-        antenna_lever_arm=np.array(receiver.lever_arm_m) if receiver else np.zeros(3),
-    )

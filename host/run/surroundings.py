@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from boards.chips.world import CompassWorld, GnssEpoch, GnssWorld, ImuWorld, TenDofWorld
-from boards.description import Chip
+from boards.description import Board, Chip
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.gnss.schedule import Glitch
 from host.sim.world import World
@@ -30,19 +30,32 @@ class Installation:
     """The navigation point: what the firmware computes is the motion of its sensor."""
     antenna_lever_arm: NDArray[np.float64]
 
+    @classmethod
+    def of(cls, board: Board) -> Installation:
+        """That of a board: its first inertial chip and its first receiver."""
+        chips = board.chips.values()
+        imu = next((chip for chip in chips if chip.is_inertial), None)
+        receiver = next((chip for chip in chips if chip.world == "gnss"), None)
+        return cls(
+            C_b_s=np.array(imu.mounting) if imu else np.eye(3),
+            imu_lever_arm=np.array(imu.lever_arm_m) if imu else np.zeros(3),
+            antenna_lever_arm=np.array(receiver.lever_arm_m) if receiver else np.zeros(3),
+        )
+
 
 class ReceiverSight:
     """A receiver's world that remembers when each epoch it gave was really valid."""
 
     def __init__(self, world: GnssWorld) -> None:
         self._world = world
-        self._valid_ns: OrderedDict[int, int] = OrderedDict()
+        self._valid_ns: OrderedDict[int, list[int]] = OrderedDict()
+        """By the time of day that epochs told: more than one where a fault has the receiver tell it twice."""
 
     def epoch(self, time_ns: int) -> GnssEpoch:
         """The solution valid at `time_ns`."""
         epoch = self._world.epoch(time_ns)
         time_of_day_ms = round(epoch.gps_time_ns / 1e6) - epoch.leap_seconds * 1000
-        self._valid_ns[time_of_day_ms % DAY_MS] = time_ns
+        self._valid_ns.setdefault(time_of_day_ms % DAY_MS, []).append(time_ns)
         if len(self._valid_ns) > EPOCHS_REMEMBERED:
             self._valid_ns.popitem(last=False)
         return epoch
@@ -61,9 +74,14 @@ class ReceiverSight:
     def validity_ns(
         self, time_of_day_ms: NDArray[np.float64], otherwise_ns: NDArray[np.int64]
     ) -> NDArray[np.int64]:
-        """True validity of epochs told by their UTC time of day; `otherwise_ns` where that is not known."""
+        """True validity of epochs told by their UTC time of day; `otherwise_ns`, where the board dated them,
+        decides where that is not known, or known twice."""
         pairs = zip(time_of_day_ms.tolist(), otherwise_ns.tolist(), strict=True)
-        return np.array([self._valid_ns.get(int(ms), other) for ms, other in pairs], dtype=np.int64)
+        return np.array([self._validity(int(ms), other) for ms, other in pairs], dtype=np.int64)
+
+    def _validity(self, time_of_day_ms: int, otherwise_ns: int) -> int:
+        known = self._valid_ns.get(time_of_day_ms, (otherwise_ns,))
+        return min(known, key=lambda time_ns: abs(time_ns - otherwise_ns)) if len(known) > 1 else known[0]
 
 
 class Surroundings:

@@ -158,9 +158,9 @@ def test_what_is_left_of_a_capture_that_was_cut_off_replays(tmp_path):
 
 def test_a_stretch_from_the_beginning_replays_another_one_does_not(tmp_path):
     capture, _ = captured("full-rate", "duration_s=12")
-    cut(capture, tmp_path / "begin.mcap", 0.0, 7.0)
+    cut(CaptureReader(capture), tmp_path / "begin.mcap", 0.0, 7.0)
     assert replay_strict(ReplayRequest(tmp_path / "begin.mcap")).ok
-    cut(capture, tmp_path / "middle.mcap", 3.0, 7.0)
+    cut(CaptureReader(capture), tmp_path / "middle.mcap", 3.0, 7.0)
     outcome = navtwin("replay", tmp_path / "middle.mcap")
     assert outcome.exit_code == 2
     assert "begins at 3 s" in outcome.output
