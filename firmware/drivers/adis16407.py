@@ -2,6 +2,7 @@
 
     start           reset, identify, configure, read everything back
     read            one burst: all outputs (the interrupt's call)
+    await_sample    the instant at which the outputs are renewed
     check           still there, still configured, what does it report? (the background's call)
     self_test       the chip's own test of sensors, then of its flash
     null_gyros      gyro biases into the offset registers, from the present output or a mean over 30 s
@@ -30,6 +31,9 @@ from hal.spi import SpiDevice
 PRODUCT_ID: Final = 16407
 NOBODY: Final = (0x0000, 0xFFFF)
 """What a line without a chip reads as."""
+NEW_DATA: Final = 0x8000
+LOOKS: Final = 100
+"""Words of at least 25 µs: two periods of 1.22 ms."""
 ATTEMPTS: Final = 4
 """At an answer that a burst took away."""
 
@@ -46,6 +50,7 @@ class Register(IntEnum):
     """Addresses that the driver uses."""
 
     FLASH_CNT = 0x00
+    TEMP_OUT = 0x1A
     MSC_CTRL = 0x38
     SMPL_PRD = 0x3A
     SENS_AVG = 0x3C
@@ -204,6 +209,20 @@ class Adis16407:
         burst[:] = self._request
         self._bursts += 1
         self._spi.transaction(burst)
+
+    def await_sample(self) -> bool:
+        """Return when the outputs have just been renewed, after at most two sample periods; False: they were
+        not, or a burst came between. TEMP_OUT is read over and over until its ND bit comes back."""
+        bursts = self._bursts
+        word = Register.TEMP_OUT
+        self._word(word, 0)
+        for n in range(LOOKS):
+            is_new = self._word(word, 0) & NEW_DATA
+            if bursts != self._bursts:
+                return False
+            if is_new and n:
+                return True
+        return False
 
     def check(self) -> Outcome:
         """Is it still the chip that was set up, and without error flags? An alarm is told last.

@@ -1,0 +1,1 @@
+"""The program of the uav_ahrs board (TMS320F28335): acquisition, attitude, output, background."""

@@ -1,0 +1,106 @@
+"""The attitude computer of the board: its memory, and the kernels of the chosen arithmetic.
+
+Bursts go in one by one; when three samples wait (the last of one iteration begins the next), an iteration
+carries attitude, velocity and position over 8 ms, and the drift compensation follows it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware.apps.uav_ahrs import plausibility as memory
+from firmware.apps.uav_ahrs.kernels import AttitudeKernels
+from firmware.apps.uav_ahrs.settings import Settings
+from firmware.nav.attitude import flags as fl
+from firmware.nav.attitude import layout as at
+from firmware.nav.attitude.burst_words import WORDS
+from firmware.nav.attitude.config import AttitudeConfig
+
+NANO = 1_000_000_000
+
+
+class Attitude:
+    """State and entry points; every method is one kernel call, or two with the drift compensation."""
+
+    def __init__(self, kernels: AttitudeKernels, config: AttitudeConfig) -> None:
+        self.s: NDArray[Any] = np.zeros(at.S_SIZE, kernels.dtype)
+        self.i: NDArray[np.int64] = np.zeros(at.I_SIZE, np.int64)
+        self.k: NDArray[np.int64] = np.zeros(memory.PLAUSIBILITY_SIZE, np.int64)
+        """Of the plausibility of bursts."""
+        self.record: NDArray[np.int64] = np.zeros(at.OUT_SIZE, np.int64)
+        self._before: NDArray[Any] = np.zeros(at.S_SIZE, kernels.dtype)
+        self._words: NDArray[np.int64] = np.zeros(WORDS, np.int64)
+        kernels.configure(self.s, self.i, config)
+        self._before[:] = self.s
+        self._take = kernels.take_burst
+        self._iteration = kernels.iteration
+        self._solution = kernels.solution
+        self._drift = kernels.new_drift(config) if config.drift_compensation else None
+        self._correct = kernels.correct
+
+    def take(self, raw: NDArray[np.uint8]) -> int:
+        """A burst as the driver has it; returns what was noticed, and `steps.READY`."""
+        take = self._take
+        return take(self.s, self.i, self.k, raw, self._words)
+
+    def iterate(self) -> int:
+        """An iteration; returns 1, 0 or `steps.SPOILT`."""
+        iteration, drift = self._iteration, self._drift
+        made = iteration(self.s, self.i, self._before)
+        if drift is not None:
+            correct = self._correct
+            correct(self.s, self.i, *drift)
+        return made
+
+    def solve(self) -> NDArray[np.int64]:
+        """The record of the present state (`layout.OUT_…`); what was noticed before is forgotten."""
+        solution = self._solution
+        solution(self.s, self.i, self.record)
+        return self.record
+
+    def notices(self) -> list[int]:
+        """How often each bit of `flags` was noticed."""
+        counted: list[int] = self.i[at.NOTICES : at.NOTICES + len(fl.NOTICE_NAMES)].tolist()
+        return counted
+
+    def saturations(self) -> list[int]:
+        """Of the arithmetic in fixed point, by kind."""
+        counted: list[int] = self.i[at.SATURATIONS : at.SATURATIONS + len(fl.SATURATION_NAMES)].tolist()
+        return counted
+
+    @property
+    def words(self) -> list[int]:
+        """Of the burst read last, as they came."""
+        told: list[int] = self._words.tolist()
+        return told
+
+    def spoil(self) -> None:
+        """Leave behind what is no attitude."""
+        self.s[at.QUATERNION : at.QUATERNION + 4] = np.nan if self.s.dtype.kind == "f" else 0
+
+    def memory(self) -> bytes:
+        """All of it, as it lies there."""
+        drift = b"" if self._drift is None else b"".join(array.tobytes() for array in self._drift)
+        return self.s.tobytes() + self.i.tobytes() + self.k.tobytes() + drift
+
+
+def attitude_config(settings: Settings, installation: Mapping[str, Any]) -> AttitudeConfig:
+    """The attitude computer's configuration for a profile and an installation."""
+    rad = math.radians
+    return AttitudeConfig(
+        latitude=rad(settings.latitude_deg),
+        longitude=rad(settings.longitude_deg),
+        height=settings.height_m,
+        method=settings.update,
+        drift_compensation=settings.drift_compensation,
+        alignment_time=settings.alignment_s,
+        magnetometer=settings.magnetometer and settings.initial_yaw_deg is None,
+        declination=rad(settings.declination_deg),
+        yaw=rad(settings.initial_yaw_deg or 0.0),
+        C_b_s=tuple(float(one) for row in installation["imu"]["C_b_s"] for one in row),
+    )

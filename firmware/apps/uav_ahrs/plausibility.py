@@ -1,0 +1,77 @@
+"""Is a burst of the ADIS16407 one that the last burst can lead to? The bus has no checksum.
+
+`firmware.nav.attitude.burst_words` looks at each burst by itself. Two things show only beside those before:
+
+- a jump: a rate or force further from the last one than two samples in a row can be. It is refused, unless
+  the burst before was refused too and said the same: then it is no bit error;
+- a chip that samples no more: its registers stand, ND stays clear read after read.
+
+Memory `k`, int64: the words believed last, the words refused last, and counts. Bursts are counted by reads.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from firmware.nav.attitude.burst_words import ACCEL, GYRO, WORDS, signed_14
+from firmware.numerics.dialect import kernel
+
+LAST: Final = 0
+REFUSED: Final = 14
+REFUSALS: Final = 28
+"""In a row."""
+JUMPS: Final = 29
+"""Bursts refused, all together."""
+SEEN: Final = 30
+"""Whether LAST holds a burst."""
+STALE_ROW: Final = 31
+"""Reads in a row without a new sample."""
+LOST_READS: Final = 32
+"""Reads whose rates were taken for zero."""
+FAILED_ROW: Final = 33
+"""Reads in a row that brought no sample: nobody there, slipped, stale."""
+PLAUSIBILITY_SIZE: Final = 34
+
+INERTIAL: Final = 6
+"""Words of gyro and accelerometer, from GYRO on."""
+MOST_REFUSED: Final = 10
+"""In a row; what goes on for longer is no disturbance of single bursts."""
+
+RATE_STEP = np.int64(500)
+"""25 °/s in 4 ms: 6,250 °/s², which a body of this kind does not reach."""
+FORCE_STEP = np.int64(900)
+"""3 g in 4 ms."""
+
+
+@kernel
+def is_far(k, place, words):
+    """Whether rates or forces are further from those kept at `place` than two samples in a row can be."""
+    far = False
+    for n in range(np.int32(INERTIAL)):
+        step = signed_14(words[GYRO + n]) - signed_14(k[place + GYRO + n])
+        limit = RATE_STEP if n < np.int32(ACCEL - GYRO) else FORCE_STEP
+        far = far or step > limit or step < -limit
+    return far
+
+
+@kernel
+def keep(k, place, words):
+    """Store the words at `place`."""
+    for n in range(np.int32(WORDS)):
+        k[place + n] = words[n]
+
+
+@kernel
+def is_jump(k, words):
+    """Whether this burst is to be refused; else it is kept as the one believed last."""
+    far = k[SEEN] != np.int64(0) and is_far(k, LAST, words)
+    confirmed = k[REFUSALS] > np.int64(0) and not is_far(k, REFUSED, words)
+    if far and not confirmed and k[REFUSALS] < np.int64(MOST_REFUSED):
+        keep(k, REFUSED, words)
+        k[REFUSALS] += np.int64(1)
+        k[JUMPS] += np.int64(1)
+        return True
+    k[REFUSALS] = np.int64(0)
+    k[SEEN] = np.int64(1)
+    keep(k, LAST, words)
+    return False

@@ -1,0 +1,100 @@
+"""What the tasks do with a burst and with three samples: a kernel call each.
+
+The same steps for the loop in fixed point stand in `fixed_steps`.
+"""
+
+from typing import Final
+
+import numpy as np
+
+from firmware.apps.uav_ahrs.plausibility import FAILED_ROW, LOST_READS, STALE_ROW, is_jump
+from firmware.nav.attitude import flags as fl
+from firmware.nav.attitude import layout as at
+from firmware.nav.attitude.burst_words import WORDS, look_at
+from firmware.nav.attitude.loop import bridge, iterate, take_words
+from firmware.numerics.dialect import kernel
+
+HOLD_READS: Final = 25
+"""0.1 s: rates that old say nothing about the motion now."""
+NO_SAMPLE: Final = fl.NO_ANSWER | fl.SLIPPED
+READY: Final = 1 << 16
+"""Returned beside what was noticed: three samples wait for an iteration."""
+
+SPOILT: Final = 2
+"""Returned by an iteration that went wrong: the state before it was put back."""
+LEAST_NORM = np.float32(0.81)
+MOST_NORM = np.float32(1.21)
+"""|q|² of a state that is one."""
+FASTEST = np.float32(1.0e5)
+"""m/s; also what not-a-number is not below."""
+ZERO = np.float32(0.0)
+
+
+@kernel
+def words_of(raw, words):
+    """The 14 words behind the request's in a burst of 30 bytes."""
+    for n in range(np.int32(WORDS)):
+        words[n] = (np.int64(raw[2 + 2 * n]) << 8) | np.int64(raw[3 + 2 * n])
+
+
+@kernel
+def is_to_bridge(i, k, words):
+    """Whether these words are no sample although they look like one; keeps the rows of failures."""
+    found = look_at(i, words)
+    k[STALE_ROW] = k[STALE_ROW] + np.int64(1) if found & fl.STALE != 0 else np.int64(0)
+    failed = found & (NO_SAMPLE | fl.STALE) != 0
+    k[FAILED_ROW] = k[FAILED_ROW] + np.int64(1) if failed else np.int64(0)
+    if found & NO_SAMPLE != 0:
+        return False
+    return k[STALE_ROW] > np.int64(HOLD_READS) or is_jump(k, words)
+
+
+@kernel
+def ready(i, found):
+    """What is returned of a burst."""
+    waits = i[at.MODE] == fl.RUNNING and i[at.IN_RING] == np.int64(3)
+    return found | np.int64(READY) if waits else found
+
+
+@kernel("int64(float32[::1], int64[::1], int64[::1], uint8[::1], int64[::1])")
+def take_burst(s, i, k, raw, words):
+    """A burst into the ring of samples; returns what was noticed (`nav.attitude.flags`) and READY."""
+    words_of(raw, words)
+    found = bridge(s, i) if is_to_bridge(i, k, words) else take_words(s, i, words)
+    if k[FAILED_ROW] > np.int64(HOLD_READS):
+        k[LOST_READS] += np.int64(1)
+        for n in range(np.int32(3)):
+            s[at.OMEGA + at.NEWEST + n] = s[at.GYRO_BIAS + n]
+    return ready(i, found)
+
+
+@kernel
+def is_sound(s):
+    """Whether quaternion and velocity are numbers, and such as they can be."""
+    norm = ZERO
+    fastest = ZERO
+    for n in range(np.int32(4)):
+        norm += s[at.QUATERNION + n] * s[at.QUATERNION + n]
+    sound = norm > LEAST_NORM and norm < MOST_NORM
+    for n in range(np.int32(3)):
+        fastest = abs(s[at.VELOCITY + n])
+        sound = sound and fastest < FASTEST
+    return sound
+
+
+@kernel("int64(float32[::1], int64[::1], float32[::1])")
+def iteration(s, i, before):
+    """One iteration; 1 when made, 0 when samples are missing, SPOILT when `before` was put back.
+
+    `before` (S_SIZE) is the state of the last iteration that went well.
+    """
+    made = iterate(s, i)
+    if made == np.int64(0):
+        return made
+    if is_sound(s):
+        for n in range(np.int32(at.S_SIZE)):
+            before[n] = s[n]
+        return made
+    for n in range(np.int32(at.S_SIZE)):
+        s[n] = before[n]
+    return np.int64(SPOILT)
