@@ -1,0 +1,1 @@
+"""Drift compensation: an attitude held by gyros, levelled by accelerometers, turned by a magnetometer."""
