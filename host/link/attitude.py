@@ -76,16 +76,18 @@ def flag_name(bit: int) -> str:
 def attitude_as_solution(numbers: tuple[float, ...]) -> Solution:
     """The unpacked numbers of one ATTITUDE frame."""
     time_us, mode, flags, _age_us, lat, lon, height, *rest = numbers
-    return Solution(
-        int(time_us),
-        NO_TIME_OF_DAY,
-        NO_DATE,
-        int(mode),
-        int(flags) << FIRST_FLAG,
-        int(lat),
-        int(lon),
-        height * METRES,
-        *(one * METRES_PER_SECOND for one in rest[:3]),
-        *(one * RADIANS for one in rest[3:9]),
-        *(math.nan,) * 9,
+    return Solution._make(
+        (
+            int(time_us),
+            NO_TIME_OF_DAY,
+            NO_DATE,
+            int(mode),
+            int(flags) << FIRST_FLAG,
+            int(lat),
+            int(lon),
+            height * METRES,
+            *(one * METRES_PER_SECOND for one in rest[:3]),
+            *(one * RADIANS for one in rest[3:9]),
+            *(math.nan,) * 9,
+        )
     )

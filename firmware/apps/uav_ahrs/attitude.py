@@ -52,7 +52,7 @@ class Attitude:
         """An iteration; returns 1, 0 or `steps.SPOILT`."""
         iteration, drift = self._iteration, self._drift
         made = iteration(self.s, self.i, self._before)
-        if drift is not None:
+        if drift is not None and made:
             correct = self._correct
             correct(self.s, self.i, *drift)
         return made
