@@ -31,9 +31,14 @@ def position_scenario(axis: str, angle_deg: float, still_s: float, **tables: Any
     """
     motion: list[dict[str, Any]] = [{"kind": "rest", "duration_s": still_s}]
     if angle_deg:
-        motion.append(_turn(axis, angle_deg, abs(angle_deg) / RATE_DPS + ANGLE_BLEND_S))
+        motion.append(_turn(axis, angle_deg, motion_s(angle_deg)))
     motion.append({"kind": "rest", "duration_s": HOLD_S})
     return _scenario(f"{axis} {angle_deg:+g}°", motion, tables)
+
+
+def motion_s(angle_deg: float) -> float:
+    """How long the table turns."""
+    return abs(angle_deg) / RATE_DPS + ANGLE_BLEND_S if angle_deg else 0.0
 
 
 def drift_scenario(yaw_deg: float, hold_s: float, still_s: float, **tables: Any) -> Scenario:

@@ -1,0 +1,88 @@
+"""`navtwin table`: the attitude computer beside the tables of its document."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from host.cli.exit_codes import guarded, whole_number
+from host.cli.simulate_command import NOTHING_KEPT
+
+app = typer.Typer(
+    help="The attitude computer beside the tables of its document.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+Arithmetic = Annotated[
+    str, typer.Option("--arithmetic", "-a", metavar="NAMES", help="float32, fixed, float64; with commas.")
+]
+Output = Annotated[
+    Path | None, typer.Option("--output", "-o", metavar="FILE", help="A page with tables and curves (HTML).")
+]
+Json = Annotated[
+    str | None, typer.Option("--json", metavar="FILE|-", help="Figures as JSON; - is standard output.")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="No table.")]
+Seed = Annotated[int, typer.Option("--seed", parser=whole_number, metavar="N", help="Of all noise.")]
+
+
+@app.callback()
+def _group() -> None:
+    """The attitude computer beside the tables of its document."""
+
+
+@app.command("angles")
+def angles_command(
+    axes: Annotated[
+        str, typer.Option("--axis", metavar="NAMES", help="Any of pitch, roll, yaw; with commas.")
+    ] = "pitch,roll,yaw",
+    angles: Annotated[
+        str | None, typer.Option("--angle", metavar="DEG", help="These rows only; with commas. Default: all.")
+    ] = None,
+    feed: Annotated[
+        str,
+        typer.Option(
+            "--feed", metavar="NAMES", help="chip: the whole board; ideal: exact rates; with commas."
+        ),
+    ] = "chip,ideal",
+    arithmetic: Arithmetic = "float32,fixed",
+    seed: Seed = 1,
+    output: Output = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Turn a rotary table to each angle of the document's tables, and measure as it did.
+
+    Ends with 1 when a row misses its goal: 0.5° by the chip, 0.05° with exact rates.
+    """
+
+    def command() -> int:
+        from host.cli.table_run import AskedAngles, show_angles
+
+        return show_angles(AskedAngles(axes, angles, feed, arithmetic, seed), output, json, quiet)
+
+    guarded(command, NOTHING_KEPT)
+
+
+@app.command("coning")
+def coning_command(
+    half_angle: Annotated[float, typer.Option("--half-angle", metavar="DEG")] = 1.0,
+    frequency: Annotated[float, typer.Option("--frequency", metavar="HZ")] = 10.0,
+    duration: Annotated[float, typer.Option("--duration", metavar="S")] = 60.0,
+    arithmetic: Arithmetic = "float32,fixed,float64",
+    output: Output = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Let every update of the attitude go round a cone, and see how far it drifts."""
+
+    def command() -> int:
+        from host.cli.table_run import show_coning
+
+        return show_coning((half_angle, frequency, duration), arithmetic, output, json, quiet)
+
+    guarded(command, NOTHING_KEPT)

@@ -1,0 +1,1 @@
+"""The same board's computations in several arithmetics, side by side on one stream of words from the bus."""
