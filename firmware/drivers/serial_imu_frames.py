@@ -139,5 +139,5 @@ def find_frame(s, ring, position, end, end_ns, sample):
 def increments(sample, out):
     """out (6,): Δθ x, y, z in rad, Δv x, y, z in m/s of a sample."""
     for axis in range(np.int32(3)):
-        out[axis] = np.float32(sample[ANGLE + axis]) * RADIAN
-        out[axis + 3] = np.float32(sample[VELOCITY + axis]) * METRE_PER_SECOND
+        out[axis] = np.float32(np.int32(sample[ANGLE + axis])) * RADIAN
+        out[axis + 3] = np.float32(np.int32(sample[VELOCITY + axis])) * METRE_PER_SECOND

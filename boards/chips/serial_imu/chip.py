@@ -30,7 +30,6 @@ LATENCY_NS = 100_000
 """From the end of a period to the first bit of its frame; a choice."""
 STANDARD_GRAVITY = 9.80665
 BITS_A_BYTE = 10
-_LARGEST = (1 << 31) - 1
 
 
 class SerialImu:
@@ -69,9 +68,12 @@ class SerialImu:
                 f"{name}: baud = {baud} is too slow for {rate_hz} frames of {frames.LENGTH} bytes a second:"
                 f" {needed} bits; e.g. 115200 for 200 Hz, 230400 for 400 Hz"
             )
-        for what, value in (("gyro_range_dps", gyro_range_dps), ("accel_range_g", accel_range_g)):
-            if not 0.0 < value <= 10_000.0:
-                raise ValueError(f"{name}: {what} = {value}; it must lie above 0, e.g. 500.0")
+        for what, value, most in (
+            ("gyro_range_dps", gyro_range_dps, 2000.0),
+            ("accel_range_g", accel_range_g, 100.0),
+        ):
+            if not 0.0 < value <= most:
+                raise ValueError(f"{name}: {what} = {value}; it must lie above 0, and not above {most:g}")
         self.name = name
         self.pins: dict[str, Net | None] = {}
         self.baud = baud
@@ -87,6 +89,12 @@ class SerialImu:
         self._halted = False
         self._powered = True
         self._event: Event | None = None
+        self._sample = 1
+        """The next to be sent, as a tick of the clock."""
+        self._block: list[bytes] = []
+        self._left = np.zeros(6)
+        self._lefts: NDArray[np.float64] = np.empty((0, 6))
+        """What rounding left behind each sample of the block."""
         self._start(start_ns)
 
     @property
@@ -150,11 +158,8 @@ class SerialImu:
         period = Oscillator(self._rate_hz, 0, self._error_ppb).instant(1)
         self._clock = Oscillator(self._rate_hz, supply_ns + START_UP_NS - period, self._error_ppb)
         self._sample = 1
-        """The next to be sent, as a tick of the clock."""
-        self._block: list[bytes] = []
+        self._block = []
         self._left = np.zeros(6)
-        self._lefts: NDArray[np.float64] = np.empty((0, 6))
-        """What rounding left behind each sample of the block."""
         if not self._halted:
             self._schedule(self._clock.instant(1) + LATENCY_NS)
 
@@ -189,7 +194,8 @@ class SerialImu:
         times = (ends[:-1, None] + inside).ravel()
         bandwidth_hz = SUBSAMPLES * self._rate_hz / 2.0
         felt = np.asarray(self._world.sample(times, bandwidth_hz), np.float64)[:, :6]
-        beyond = (np.abs(felt) > self._limits).reshape(count, SUBSAMPLES, 6).any(axis=1)
+        excess = (np.abs(felt) > self._limits).reshape(count, SUBSAMPLES, 6)
+        beyond: NDArray[np.bool_] = np.any(excess, axis=1)
         means = np.clip(felt, -self._limits, self._limits).reshape(count, SUBSAMPLES, 6).mean(axis=1)
         increments = means * lengths[:, None] * 1e-9
         units = np.concatenate(
@@ -197,8 +203,7 @@ class SerialImu:
         )
         sums = self._left + np.cumsum(units, axis=0)
         rounded = np.rint(sums)
-        counts = np.diff(rounded, axis=0, prepend=np.zeros((1, 6)))
-        counts = np.clip(counts, -_LARGEST, _LARGEST).astype(np.int64)
+        counts = np.diff(rounded, axis=0, prepend=np.zeros((1, 6))).astype(np.int64)
         self._lefts = sums - rounded
         status = np.full(count, self._flags, np.int64)
         status[beyond[:, 3:].any(axis=1)] |= frames.GYRO_RANGE
