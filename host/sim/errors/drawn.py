@@ -1,7 +1,7 @@
 """One specimen of a sensor: its preset with every random constant drawn, in SI units and the sensor's axes.
 
-Measured = true + S true + N true + b (+ G f for gyros) + noise, source 002 eqs. 3-35 and 3-36. Draws come
-from generators named after the component and the quantity: changing one value leaves all others alone.
+Measured = true + S true + N true + Q true² + b (+ G f for gyros) + noise, source 002 eqs. 3-35 and 3-36 with
+a parabola Q for what is not linear (nothing at zero). Draws come from generators named after the component and the quantity: changing one value leaves all others alone.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from host.sim.errors.output_stage import OutputStage
 from host.sim.errors.processes import Process
 from host.sim.errors.schema import AccelerometerErrors, GyroErrors, ImuErrors, PerAxis
 from host.sim.seeding import generator
@@ -38,6 +39,8 @@ class Triad:
     """(3, 3) off-diagonal coupling; row = measuring axis."""
     bias_per_kelvin: Array
     scale_per_kelvin: Array
+    quadratic: Array
+    """(3,) of true²: 2 p / F for a deviation of p F from the best straight line over ±F (rad/s, m/s²)."""
     processes: tuple[Process, ...]
     """Nine: bias instability, bias random walk, scale instability, each x, y, z."""
 
@@ -54,6 +57,7 @@ class Specimen:
     rise_k: float
     rise_time_s: float
     reference_c: float
+    output: OutputStage
 
 
 def draw_specimen(errors: ImuErrors, seed: int, component: str) -> Specimen:
@@ -70,6 +74,7 @@ def draw_specimen(errors: ImuErrors, seed: int, component: str) -> Specimen:
         rise_k=temperature.rise_k,
         rise_time_s=temperature.rise_time_s,
         reference_c=reference,
+        output=OutputStage(errors),
     )
 
 
@@ -83,6 +88,9 @@ def _gyro(e: GyroErrors, seed: int, component: str) -> Triad:
         bias_per_kelvin=_constants(seed, name, "bias_temperature", e.bias_temperature_dps_per_k) * DEG,
         scale_per_kelvin=1e-2
         * _constants(seed, name, "scale_temperature", e.scale_temperature_percent_per_k),
+        quadratic=2e-2
+        * _constants(seed, name, "nonlinearity", e.nonlinearity_percent)
+        / (e.nonlinearity_range_dps * DEG),
         processes=(
             *_processes(name, "instability", _axes(e.instability_dph) * DPH, _axes(e.instability_time_s)),
             *_processes(name, "random_walk", _axes(e.random_walk_dph_per_rts) * DPH, None),
@@ -106,6 +114,9 @@ def _accelerometer(e: AccelerometerErrors, seed: int, component: str) -> Triad:
         bias_per_kelvin=_constants(seed, name, "bias_temperature", e.bias_temperature_mg_per_k) * MILLI_G,
         scale_per_kelvin=1e-2
         * _constants(seed, name, "scale_temperature", e.scale_temperature_percent_per_k),
+        quadratic=2e-2
+        * _constants(seed, name, "nonlinearity", e.nonlinearity_percent)
+        / (e.nonlinearity_range_g * STANDARD_GRAVITY),
         processes=(
             *_processes(name, "instability", _axes(e.instability_mg) * MILLI_G, _axes(e.instability_time_s)),
             *_processes(name, "random_walk", _axes(e.random_walk_mg_per_rts) * MILLI_G, None),

@@ -22,6 +22,8 @@ from host.sim.errors.sensor_kernel import (
     SCALE_A,
     SCALE_G,
     SLOW,
+    SQUARE_A,
+    SQUARE_G,
     TEMPERATURE,
     sense,
 )
@@ -56,6 +58,7 @@ class InertialSensor:
         ]
         self._noise = [generator(seed, name) for name in channels]
         self._slow: dict[int, Array] = {}
+        self._output_changes = specimen.output.changes
 
     def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> Array:
         """Force (3), rate (3), temperature at rising times; see `boards.chips.world.ImuWorld.sample`."""
@@ -83,6 +86,8 @@ class InertialSensor:
                 times_ns[part],
                 out[part],
             )
+        if self._output_changes:
+            self.specimen.output.passed(times_ns, out)
         return out
 
     def slow_errors(self, times_ns: NDArray[np.int64]) -> Array:
@@ -131,5 +136,7 @@ def _pack(specimen: Specimen, mounting: Array, lever_arm: Array) -> Array:
     constants[CROSS_A:G_SENSITIVITY] = specimen.accelerometer.cross.reshape(9)
     constants[G_SENSITIVITY:DENSITY] = specimen.g_sensitivity.reshape(9)
     constants[DENSITY : DENSITY + 3] = specimen.gyro.noise_density
-    constants[DENSITY + 3 :] = specimen.accelerometer.noise_density
+    constants[DENSITY + 3 : SQUARE_G] = specimen.accelerometer.noise_density
+    constants[SQUARE_G:SQUARE_A] = specimen.gyro.quadratic
+    constants[SQUARE_A:] = specimen.accelerometer.quadratic
     return constants

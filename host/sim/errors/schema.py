@@ -2,6 +2,7 @@
 
 Every value defaults to no error. `bias` and `scale` are fixed and known, the σ of `turn_on_…`, `scale_…` and
 `misalignment_…` are drawn once a run, Gauss–Markov and random-walk parts run on. Source 002, section 2.5.
+Beyond it: temperature, non-linearity, bandwidth, range and resolution.
 """
 
 from __future__ import annotations
@@ -33,6 +34,11 @@ class GyroErrors(Table):
     g_sensitivity_dps_per_g: Annotated[PerAxis, within(100, 0)] = Field(default=0.0, examples=[0.01])
     bias_temperature_dps_per_k: Annotated[PerAxis, within(100, 0)] = Field(default=0.0, examples=[0.05])
     scale_temperature_percent_per_k: Annotated[PerAxis, within(10, 0)] = Field(default=0.0, examples=[0.02])
+    nonlinearity_percent: Annotated[PerAxis, within(10, 0)] = Field(default=0.0, examples=[0.01])
+    nonlinearity_range_dps: Positive = Field(default=450.0, le=1e5, examples=[450.0])
+    bandwidth_hz: Positive | None = Field(default=None, le=1e5, examples=[50.0])
+    range_dps: Positive | None = Field(default=None, le=1e5, examples=[450.0])
+    resolution_dps: Positive | None = Field(default=None, le=1e3, examples=[0.02])
 
 
 class AccelerometerErrors(Table):
@@ -51,6 +57,11 @@ class AccelerometerErrors(Table):
     misalignment_deg: NotNegative = Field(default=0.0, le=45.0, examples=[0.2])
     bias_temperature_mg_per_k: Annotated[PerAxis, within(1_000, 0)] = Field(default=0.0, examples=[1.0])
     scale_temperature_percent_per_k: Annotated[PerAxis, within(10, 0)] = Field(default=0.0, examples=[0.03])
+    nonlinearity_percent: Annotated[PerAxis, within(10, 0)] = Field(default=0.0, examples=[0.1])
+    nonlinearity_range_g: Positive = Field(default=10.0, le=1e5, examples=[10.0])
+    bandwidth_hz: Positive | None = Field(default=None, le=1e5, examples=[50.0])
+    range_g: Positive | None = Field(default=None, le=1e5, examples=[18.0])
+    resolution_mg: Positive | None = Field(default=None, le=1e3, examples=[0.8])
 
 
 class Temperature(Table):

@@ -21,8 +21,10 @@ from host.sim.earth import EARTH_RATE, gravity, radii
 from host.sim.sine import sincos
 from host.sim.trajectory.kinematics import C_NB, FORCE, HEIGHT, LATITUDE, OMEGA_DOT, OMEGA_IB, ROW
 
-LEVER, MOUNTING, CROSS_G, CROSS_A, G_SENSITIVITY, DENSITY, CONSTANTS = 0, 3, 12, 21, 30, 39, 45
-"""Where the sensor's constants stand: l(3), C_b_s(9), couplings(9, 9), G(9), noise densities (3, 3)."""
+LEVER, MOUNTING, CROSS_G, CROSS_A, G_SENSITIVITY, DENSITY, SQUARE_G, SQUARE_A = 0, 3, 12, 21, 30, 39, 45, 48
+CONSTANTS = 51
+"""Where the sensor's constants stand: l(3), C_b_s(9), couplings(9, 9), G(9), noise densities (3, 3), factors
+of the squares (3, 3)."""
 
 BIAS_G, BIAS_A, SCALE_G, SCALE_A, TEMPERATURE, SLOW = 0, 3, 6, 9, 12, 13
 """Columns of the slowly changing errors."""
@@ -130,6 +132,8 @@ def apply_errors(sensor: Floats, slow: Floats, true: Floats, noise: Floats, out:
     for i in range(3):
         f = (1.0 + slow[SCALE_A + i]) * true[i] + slow[BIAS_A + i] + noise[3 + i]
         w = (1.0 + slow[SCALE_G + i]) * true[3 + i] + slow[BIAS_G + i] + noise[i]
+        f += sensor[SQUARE_A + i] * true[i] * true[i]
+        w += sensor[SQUARE_G + i] * true[3 + i] * true[3 + i]
         for j in range(3):
             f += sensor[CROSS_A + 3 * i + j] * true[j]
             w += sensor[CROSS_G + 3 * i + j] * true[3 + j] + sensor[G_SENSITIVITY + 3 * i + j] * true[j]
