@@ -163,7 +163,7 @@ class EmulatedSpiDevice:
         """
         time = self._time
         start = time.now
-        if self.bus.at_work or self._high_ns:
+        if self.bus.at_work or start < self._ready_at:
             start = self._wait_for_wire()
         length = len(buffer)
         try:
@@ -177,8 +177,10 @@ class EmulatedSpiDevice:
             raise ValueError(f"slave {self.name!r} answered {len(miso)} bytes to a transaction of {length}")
         if self.observer is not None:
             self.observer(start, end, buffer, miso)
-        if end < time.limit and not self._high_ns:
+        if end < time.limit:
             time.now = end
+            if self._high_ns:
+                self._ready_at = end + self._high_ns
         else:
             self._hold_wire(end)
         buffer[:] = miso

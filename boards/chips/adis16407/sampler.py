@@ -12,12 +12,21 @@ byte first, with ND set, as they come in a burst.
 
 from __future__ import annotations
 
+import math
 from bisect import bisect_right
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from boards.chips.adis16407.block_kernels import (
+    BARO,
+    OUTPUTS,
+    count_block,
+    filter_block,
+    image_block,
+    range_block,
+)
 from boards.chips.adis16407.settings import (
     CLOCK_HZ,
     NOISE_BANDWIDTH_HZ,
@@ -236,62 +245,58 @@ class Sampler:
         start = max(0, self._before - back - 2 * (setting.taps - 1))
         raw = self._raw[start:]
         before = self._before - start
-        filtered = raw.copy()
-        for column in (*range(6), 7, 8, 9):
-            filtered[:, column] = bartlett(raw[:, column], setting.taps)
-        rates, counts = self._counts(filtered)
-        words = (np.clip(counts, _LOW, _HIGH) & _MASK | NEW_DATA)[before:]
-        self.image = words.astype(">u2").tobytes()
-        self._rates = rates[before:]
+        filtered = np.empty_like(raw)
+        filter_block(raw, setting.taps, np.empty(len(raw) + setting.taps), filtered)
+        counts = self._counts(filtered)
+        image = np.empty(STRIDE * (len(raw) - before), np.uint8)
+        image_block(counts[before:], _LOW, _HIGH, _MASK, NEW_DATA, image)
+        self.image = image.tobytes()
+        self._rates = np.degrees(filtered[before:, RATE]) + self._rate_offset()
         flags = self._range_flags(raw[before:])
         for alarm in setting.alarms:
-            source = counts if alarm.filtered else self._counts(raw)[1]
+            source = counts if alarm.filtered else self._counts(raw)
             flags[raised(np.clip(source, _LOW, _HIGH)[:, alarm.column], alarm)[before:]] |= alarm.flag
         self._flags = flags
         self.quiet = not self.summing and not flags.any()
 
-    def _counts(self, values: Floats) -> tuple[Floats, Integers]:
-        """Gyro outputs in °/s, and all outputs as integers before clipping, in burst order."""
+    def _rate_offset(self) -> Floats:
+        """°/s that calibration and self-test add to the gyros' outputs."""
         setting = self.conversion
-        n = len(values)
-        exact = np.empty((n, 14))
-        rates = np.degrees(values[:, RATE]) + np.array(setting.gyro_offset_dps)
-        rates += SELF_TEST_DPS * setting.deflection
-        force = values[:, FORCE] / STANDARD_GRAVITY + SELF_TEST_G * setting.deflection
-        pressure = np.clip(np.rint(values[:, PRESSURE] / PASCAL_PER_COUNT), 0.0, (1 << 22) - 1.0)
-        exact[:, 0] = self.supply_v / SUPPLY_V_PER_COUNT
-        exact[:, 1:4] = rates / (DPS_AT_300 * setting.gyro_range_dps / 300.0)
-        exact[:, 4:7] = force / G_PER_COUNT + np.array(setting.accel_offset)
-        field = values[:, FIELD] / TESLA_PER_COUNT
-        exact[:, 7:10] = field * np.array(setting.soft_iron) + np.array(setting.hard_iron)
-        exact[:, 10], exact[:, 11] = np.divmod(pressure, 256.0)
-        exact[:, 12] = (values[:, TEMPERATURE] - 25.0) / KELVIN_PER_COUNT
-        exact[:, 13] = self.adc_v / ADC_V_PER_COUNT
-        return rates, np.rint(np.clip(exact, -1e6, 1e6)).astype(np.int64)
+        return np.array(setting.gyro_offset_dps) + SELF_TEST_DPS * setting.deflection
+
+    def _counts(self, values: Floats) -> Integers:
+        """All outputs as integers before clipping, in burst order."""
+        setting = self.conversion
+        rate_step = DPS_AT_300 * setting.gyro_range_dps / 300.0
+        gain = np.ones(OUTPUTS)
+        offset = np.zeros(OUTPUTS)
+        offset[0] = self.supply_v / SUPPLY_V_PER_COUNT
+        gain[1:4] = math.degrees(1.0) / rate_step
+        offset[1:4] = self._rate_offset() / rate_step
+        gain[4:7] = 1.0 / (STANDARD_GRAVITY * G_PER_COUNT)
+        offset[4:7] = SELF_TEST_G * setting.deflection / G_PER_COUNT + np.array(setting.accel_offset)
+        gain[7:10] = np.array(setting.soft_iron) / TESLA_PER_COUNT
+        offset[7:10] = setting.hard_iron
+        gain[BARO] = 1.0 / PASCAL_PER_COUNT
+        gain[12] = 1.0 / KELVIN_PER_COUNT
+        offset[12] = -25.0 / KELVIN_PER_COUNT
+        offset[13] = self.adc_v / ADC_V_PER_COUNT
+        counts = np.empty((len(values), OUTPUTS), np.int64)
+        count_block(values, gain, offset, counts)
+        return counts
 
     def _range_flags(self, raw: Floats) -> Integers:
-        limit = np.radians(self.conversion.gyro_range_dps)
-        low, high = BARO_RANGE_PA
-        beyond = (np.abs(raw[:, RATE]) > limit).any(axis=1) | (np.abs(raw[:, FORCE]) > ACCEL_RANGE).any(
-            axis=1
-        )
-        beyond |= (np.abs(raw[:, FIELD]) > MAGN_RANGE_T).any(axis=1)
-        beyond |= (raw[:, PRESSURE] < low) | (raw[:, PRESSURE] > high)
-        flags = np.where(beyond, OVER_RANGE, 0)
+        limit = math.radians(self.conversion.gyro_range_dps)
+        high = np.array([ACCEL_RANGE] * 3 + [limit] * 3 + [np.inf] + [MAGN_RANGE_T] * 3 + [BARO_RANGE_PA[1]])
+        low = -high
+        low[PRESSURE] = BARO_RANGE_PA[0]
+        flags = np.empty(len(raw), np.int64)
+        range_block(raw, low, high, OVER_RANGE, flags)
         if self.supply_v < SUPPLY_LIMITS_V[0]:
             flags |= SUPPLY_LOW
         if self.supply_v > SUPPLY_LIMITS_V[1]:
             flags |= SUPPLY_HIGH
         return flags
-
-
-def bartlett(values: Floats, taps: int) -> Floats:
-    """Two cascaded boxcar means. Before its first value the signal stood at it."""
-    if taps == 1 or not len(values):
-        return values
-    padded = np.concatenate((np.full(2 * (taps - 1), values[0]), values))
-    box = np.full(taps, 1.0 / taps)
-    return np.convolve(np.convolve(padded, box, "valid"), box, "valid")
 
 
 def raised(counts: Integers, alarm: AlarmSetting) -> NDArray[np.bool_]:
