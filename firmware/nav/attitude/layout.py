@@ -111,7 +111,11 @@ FIXED_SUMS = 48
 """Sums of the alignment in fixed point (9)."""
 FIXED_REST = 57
 """What the integers of the position left over in fixed point (3)."""
-I_SIZE = 64
+VELOCITY_REST = 60
+"""What VELOCITY left over in fixed point (3)."""
+QUATERNION_REST = 64
+"""What QUATERNION left over in fixed point (4)."""
+I_SIZE = 72
 
 # --- the record of `solution`, int64, the same for every arithmetic ---
 OUT_YAW = 0

@@ -7,6 +7,7 @@ loop.take_words(s, i, words); loop.take_words(s, i, words); loop.iterate(s, i); 
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import ModuleType
 from typing import Any, Final
 
 import numpy as np
@@ -14,9 +15,11 @@ from numpy.typing import NDArray
 
 from firmware.nav.attitude import config as float_config
 from firmware.nav.attitude import layout as at
+from firmware.nav.attitude.fixed import config as fixed_config
+from firmware.nav.attitude.fixed import loop as fixed_loop
 from firmware.numerics.precision import load
 
-PROFILES: Final = ("float32", "float64")
+PROFILES: Final = ("float32", "fixed", "float64")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,16 +52,22 @@ def load_loop(profile: str) -> AttitudeLoop:
     """The loop of an arithmetic; ValueError for one that is not known."""
     if profile not in PROFILES:
         raise ValueError(f"profile {profile!r} is not known; one of {', '.join(PROFILES)}")
-    module = load("firmware.nav.attitude.loop", profile)
+    if profile == "fixed":
+        return _loop(profile, fixed_loop, np.dtype(np.int32), fixed_config.configure, fixed_config.samples)
     dtype = np.dtype(profile)
+    module = load("firmware.nav.attitude.loop", profile)
+    return _loop(profile, module, dtype, float_config.configure, lambda rows: np.asarray(rows, dtype))
+
+
+def _loop(profile: str, module: ModuleType, dtype: Any, configure: Any, samples: Any) -> AttitudeLoop:
     return AttitudeLoop(
         profile,
         dtype,
-        float_config.configure,
+        configure,
         module.take_words,
         module.take_rates,
         module.bridge,
         module.iterate,
         module.solution,
-        lambda rows: np.asarray(rows, dtype),
+        samples,
     )
