@@ -7,15 +7,16 @@ import cantools
 import pytest
 
 from firmware.link import frames
+from firmware.nav.attitude.flags import NOTICE_NAMES, SATURATION_NAMES
 from firmware.nav.flags import FLAG_NAMES, MODE_NAMES
 from host.link import messages as msg
 from host.link.decoder import LinkDecoder
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "link.md").read_text()
-SIZES = {"u8": 1, "u16": 2, "u32": 4, "u64": 8, "i32": 4, "i64": 8, "f32": 4}
-CODES = {"u8": "B", "u16": "H", "u32": "I", "u64": "Q", "i32": "i", "i64": "q", "f32": "f"}
-TYPES = {"SOLUTION": msg.Solution, "STATUS": msg.Status, "GNSS": msg.Gnss}
+SIZES = {"u8": 1, "u16": 2, "i16": 2, "u32": 4, "u64": 8, "i32": 4, "i64": 8, "f32": 4}
+CODES = {"u8": "B", "u16": "H", "i16": "h", "u32": "I", "u64": "Q", "i32": "i", "i64": "q", "f32": "f"}
+TYPES = {"SOLUTION": msg.Solution, "STATUS": msg.Status, "GNSS": msg.Gnss, "SENSOR": msg.Sensor}
 
 
 def table(heading: str) -> list[list[str]]:
@@ -43,7 +44,7 @@ def test_byte_tables(kind):
 
 def test_types_and_lengths():
     section = TEXT[TEXT.index("| type | name | length | when |") :]
-    cells = (row.strip("|").split("|") for row in section.splitlines()[2:11])
+    cells = (row.strip("|").split("|") for row in section.splitlines()[2:13])
     rows = {int(kind, 16): (name.strip(), length.strip()) for kind, name, length, _ in cells}
     assert all(getattr(frames, name) == kind for kind, (name, _) in rows.items())
     lengths = {kind: str(layout.size) for kind, layout in frames.PAYLOADS.items()}
@@ -75,6 +76,9 @@ def test_the_example():
 def test_modes_and_flags():
     flat = " ".join(TEXT.split())
     assert f"Flags, from bit 0: {', '.join(FLAG_NAMES)} (`firmware.nav.flags`)" in flat
+    assert f"Flags, from bit 0: {', '.join(NOTICE_NAMES)} (`firmware.nav.attitude.flags`)" in flat
+    assert [name for name in msg.Sensor._fields if name in NOTICE_NAMES] == list(NOTICE_NAMES)
+    assert msg.Sensor._fields[-8:] == tuple(f"saturated_{name}" for name in SATURATION_NAMES)
     assert ", ".join(f"{number} {name}" for number, name in enumerate(MODE_NAMES)) in flat
 
 
