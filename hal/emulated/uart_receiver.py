@@ -157,13 +157,14 @@ class LateReceiver(LineReceiver):
         """Bytes whose start bit lies at `begin_from` or later will not come after all."""
         self._cut_arrivals(begin_from)
 
-    def pieces(self) -> list[tuple[bytes, int]]:
-        """(bytes, end of the last one in ns) of every piece that has ended by now, each given once."""
+    def pieces(self) -> list[tuple[bytes, int, int]]:
+        """(bytes, end of the last one in ns, baud) of every piece that has ended by now, each given once."""
         arrivals, now = self.arrivals, self._time.now
         ended = []
         while arrivals and arrivals[0].end <= now:
             piece = arrivals.popleft()
-            ended.append((piece.data, piece.end))
+            assert isinstance(piece, SentBytes)
+            ended.append((piece.data, piece.end, piece.baud))
         return ended
 
     def _next_instant(self) -> int:

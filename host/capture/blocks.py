@@ -4,7 +4,8 @@ All numbers are little endian, records follow one another without padding:
 
     SPI     start_ns i64 | duration_ns u32 | n u32 | n bytes MOSI | n bytes MISO
     line    told_ns i64 | start_ns i64 | first u32 | baud u32 | n u32 | n bytes
-    UART    end_ns i64 | n u32 | n bytes
+    sent    end_ns i64 | baud u32, 0: not known | n u32 | n bytes
+    UART    the same without baud (captures of formats 1 to 3, imported logs)
     I²C     start_ns i64 | end_ns i64 | address u8 | refusal u8 | n, acknowledged, asked, m u32
             | n bytes written | m bytes read
     CAN     end_ns i64 | identifier u32, bit 31: 29-bit identifier | n u8 | s u8 | n bytes | s bytes: sender
@@ -16,7 +17,7 @@ Times are virtual time in ns. A SPI record is one chip-select low period; an I²
 stop condition (`REFUSALS` has the meaning of `refusal`). A line record tells the receiving end of a UART what
 was put on the line at `told_ns`: bytes `first`, `first` + 1, … of a run that began at `start_ns`, so that
 byte k of the record ends at start_ns + ⌊(first + k + 1)·10¹⁰ / baud⌋; with `baud` 0 it takes back whatever
-begins at `start_ns` or later. A UART record is a run of bytes of which the last one ended at `end_ns`; a CAN
+begins at `start_ns` or later. A sent record is a run of bytes, of which the last one ended at `end_ns`; a CAN
 record is a data frame that ended on the bus at `end_ns`; a pin record is a change of a net's level. A mark
 says that everything up to its time is in the file.
 """
@@ -36,6 +37,7 @@ from hal.errors import ErrorKind
 
 SPI_HEAD = struct.Struct("<qII")
 UART_HEAD = struct.Struct("<qI")
+SENT_HEAD = struct.Struct("<qII")
 I2C_HEAD = struct.Struct("<qqBBIIII")
 CAN_HEAD = struct.Struct("<qIB")
 SENT_CAN_HEAD = struct.Struct("<qIBB")
@@ -62,10 +64,12 @@ REFUSALS: tuple[ErrorKind | None, ...] = (
 
 ENCODING = "x-navtwin-block"
 CAN_SCHEMA, OLD_CAN_SCHEMA = "navtwin.CanFrameBlock", "navtwin.CanBlock"
+SENT_SCHEMA, OLD_SENT_SCHEMA = "navtwin.SentBlock", "navtwin.UartBlock"
 
 SCHEMAS = {
     "navtwin.SpiBlock": "start_ns i64, duration_ns u32, n u32, mosi u8[n], miso u8[n]; repeated",
     "navtwin.LineBlock": "told_ns i64, start_ns i64, first u32, baud u32, n u32, data u8[n]; repeated",
+    "navtwin.SentBlock": "end_ns i64, baud u32 (0: not known), n u32, data u8[n]; repeated",
     "navtwin.UartBlock": "end_ns i64, n u32, data u8[n]; repeated",
     "navtwin.I2cBlock": "start_ns i64, end_ns i64, address u8, refusal u8 (0 none, 1 address, 2 data,"
     " 3 timeout, 4 broken off), n u32, acknowledged u32, asked u32, m u32, written u8[n], read u8[m];"
@@ -105,6 +109,8 @@ class UartChunk:
     direction: str
     end_ns: int
     data: bytes
+    baud: int | None = None
+    """None: not recorded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -285,6 +291,13 @@ def _uart(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
     return UartChunk(port, direction, end_ns, block[data : data + n]), data + n
 
 
+def _sent(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
+    end_ns, baud, n = SENT_HEAD.unpack_from(block, place)
+    data = place + SENT_HEAD.size
+    _, _, port, direction = topic.split("/")
+    return UartChunk(port, direction, end_ns, block[data : data + n], baud or None), data + n
+
+
 def _can(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
     end_ns, identifier, n = CAN_HEAD.unpack_from(block, place)
     data = place + CAN_HEAD.size
@@ -334,6 +347,7 @@ def _mark(_topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
 READERS = {
     "navtwin.SpiBlock": _spi,
     "navtwin.LineBlock": _line,
+    "navtwin.SentBlock": _sent,
     "navtwin.UartBlock": _uart,
     "navtwin.I2cBlock": _i2c,
     "navtwin.CanFrameBlock": _sent_can,

@@ -44,7 +44,7 @@ def row_of(record: Traffic | Decoded) -> tuple[str, Row] | None:
             row = {"t_s": record.end_ns / NS, "baud": record.baud, "data": record.data.hex()}
             return uart_topic(record.port, "rx"), row
         case UartChunk():
-            row = {"t_s": record.end_ns / NS, "baud": None, "data": record.data.hex()}
+            row = {"t_s": record.end_ns / NS, "baud": record.baud, "data": record.data.hex()}
             return uart_topic(record.port, record.direction), row
         case CanMessage():
             row = {"t_s": record.end_ns / NS, "identifier": record.identifier, "extended": record.extended}

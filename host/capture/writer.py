@@ -16,10 +16,10 @@ import json
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, BinaryIO
+from struct import Struct
+from typing import Any, BinaryIO, Protocol
 
 import numpy as np
-from mcap.writer import CompressionType, Writer
 from numpy.typing import NDArray
 
 from hal.emulated.can_bursts import HeardFrame
@@ -32,8 +32,9 @@ from host.capture.blocks import (
     MARK,
     MARK_TOPIC,
     SCHEMAS,
+    SENT_HEAD,
+    SENT_SCHEMA,
     SPI_HEAD,
-    UART_HEAD,
     can_topic,
     i2c_record,
     i2c_topic,
@@ -45,6 +46,7 @@ from host.capture.can_senders import with_senders
 from host.capture.inertial_samples import DECODERS, IMU, Bmi160Traffic
 from host.capture.location_fix import LOCATION_FIX, TOPICS
 from host.capture.location_fix import schema as location_fix_schema
+from host.capture.mcap_file import McapFile
 from host.capture.row_messages import RowMessages, event_message
 from host.capture.topics import (
     CLOCK,
@@ -59,18 +61,26 @@ from host.capture.topics import (
 )
 from host.record.tables import Table
 
-CAPTURE_FORMAT = "navtwin-capture-3"
-"""Of the raw topics; 3 added I²C buses and the senders of CAN frames."""
-FORMAT_2 = "navtwin-capture-2"
-"""Had added pins, marks and exact times on the lines into the board."""
+CAPTURE_FORMAT = "navtwin-capture-4"
+"""Of the raw topics; 4 added the rate at which a UART sends, and when clocks began to count."""
+"""3 had added I²C buses and the senders of CAN frames, 2 pins, marks and exact times of lines into boards."""
+"""3 had added I²C buses and the senders of CAN frames, 2 pins, marks and exact times on lines into the board."""
 FLUSH_EVERY_NS = 900_000_000
-UNBOUNDED = 1 << 62
 IMU_TEXT = "{" + ",".join(f'"{name}":%.{n}f' for name, n in zip(IMU.columns, IMU.decimals, strict=True)) + "}"
 """A row of IMU; all of it are numbers."""
 
 Bytes = bytes | bytearray
 SpiRecorder = Callable[[int, int, Bytes, Bytes], None]
-UartRecorder = Callable[[int, bytes], None]
+
+
+class UartRecorder(Protocol):
+    """For one direction of a UART."""
+
+    def __call__(self, end_ns: int, data: bytes, baud: int = 0) -> None:
+        """Bytes of which the last one ended at `end_ns`; `baud` 0: not known."""
+        ...
+
+
 CanRecorder = Callable[[bytes, Sequence[HeardFrame]], None]
 """(records without senders, the frames they are of)."""
 LineRecorder = Callable[[int, int, int, int, bytes], None]
@@ -83,10 +93,9 @@ class CaptureWriter:
         self.path = path
         self.part = path.with_name(path.name + ".part")
         self._file: BinaryIO = self.part.open("wb")
-        self._writer = Writer(self._file, chunk_size=UNBOUNDED, compression=CompressionType.LZ4)
-        self._writer.start(profile="navtwin", library="navtwin")
+        self._writer = McapFile(self._file, profile="navtwin", library="navtwin")
         text = json.dumps(manifest, indent=1, sort_keys=True).encode()
-        self._writer.add_attachment(0, 0, "manifest.json", "application/json", text)
+        self._writer.add_attachment("manifest.json", "application/json", text)
         self._writer.add_metadata("capture", {"format": CAPTURE_FORMAT})
         self._file.flush()
         self._schemas: dict[str, int] = {}
@@ -111,16 +120,18 @@ class CaptureWriter:
         block = self._block(spi_topic(bus), "navtwin.SpiBlock")
         pairs: list[bytes] = []
         self._spi[bus] = block, pairs
-        pack = SPI_HEAD.pack
+        packs: dict[int, Callable[..., bytes]] = {}
 
         def record(start_ns: int, end_ns: int, mosi: Bytes, miso: Bytes) -> None:
             nonlocal block
             n = len(mosi)
-            block += pack(start_ns, end_ns - start_ns, n)
-            block += mosi
+            try:
+                pack = packs[n]
+            except KeyError:
+                pack = packs[n] = Struct(f"{SPI_HEAD.format}{n}s{n}s").pack
+            block += pack(start_ns, end_ns - start_ns, n, mosi, miso)
             if n == 2:
                 pairs.append(bytes(mosi))
-            block += miso
 
         return record
 
@@ -135,12 +146,12 @@ class CaptureWriter:
         return record
 
     def uart_recorder(self, port: str, direction: str) -> UartRecorder:
-        """`record(end_ns, data)` for one direction ("rx", "tx") of a UART; `end_ns`: end of the last byte."""
-        block = self._block(uart_topic(port, direction), "navtwin.UartBlock")
+        """For one direction ("rx", "tx") of a UART."""
+        block = self._block(uart_topic(port, direction), SENT_SCHEMA)
 
-        def record(end_ns: int, data: bytes) -> None:
+        def record(end_ns: int, data: bytes, baud: int = 0) -> None:
             nonlocal block
-            block += UART_HEAD.pack(end_ns, len(data))
+            block += SENT_HEAD.pack(end_ns, baud, len(data))
             block += data
 
         return record
@@ -177,7 +188,7 @@ class CaptureWriter:
     def rows(self, topic: str, rows: NDArray[np.float64]) -> None:
         """Rows of a table of `host.record.tables` ("/solution", "/gnss", …); column 0 is the time in s."""
         for place, t_ns, message in self._row_messages.of(topic, rows):
-            self._writer.add_message(self._row_channels[place], t_ns, message, t_ns)
+            self._writer.add_message(self._row_channels[place], t_ns, message)
 
     def show_sensor(self, refdes: str, part: str, bus: str) -> None:
         """Show samples of an inertial sensor under /imu/<refdes>, when its part is known; see `glimpse`."""
@@ -191,24 +202,24 @@ class CaptureWriter:
             row = traffic.glimpse(*self._spi[bus])
             if row is not None:
                 t_ns = round(row[0] * 1e9)
-                self._writer.add_message(channel, t_ns, (IMU_TEXT % row).encode(), t_ns)
+                self._writer.add_message(channel, t_ns, (IMU_TEXT % row).encode())
 
     def event(self, t_ns: int, source: str, text: str) -> None:
         """Something worth telling."""
-        self._writer.add_message(self._events, t_ns, event_message(t_ns, source, text), t_ns)
+        self._writer.add_message(self._events, t_ns, event_message(t_ns, source, text))
 
     def clock(self, reset_ns: int, processor: str, rate_ppb: int) -> None:
         """From `reset_ns` on a processor's clock counts anew, too fast by `rate_ppb`."""
         entry = {"t_s": reset_ns / 1e9, "reset_ns": reset_ns, "processor": processor, "rate_ppb": rate_ppb}
         text = json.dumps(entry, separators=(",", ":")).encode()
-        self._writer.add_message(self._clocks, reset_ns, text, reset_ns)
+        self._writer.add_message(self._clocks, reset_ns, text)
 
     def control(self, t_ns: int, command: str, details: Mapping[str, Any]) -> None:
         """Something was done to the board from outside."""
         if self._control is None:
             self._control = self._channel(CONTROL[0], "json", CONTROL[1], "jsonschema", control_schema())
         entry = {"t_s": t_ns / 1e9, "time_ns": t_ns, "command": command, **details}
-        self._writer.add_message(self._control, t_ns, json.dumps(entry, separators=(",", ":")).encode(), t_ns)
+        self._writer.add_message(self._control, t_ns, json.dumps(entry, separators=(",", ":")).encode())
 
     # -- the file ----------------------------------------------------------------------------------
 
@@ -217,17 +228,17 @@ class CaptureWriter:
         for channel, tape in self._tapes:
             if tape:
                 t_ns = tape[0] >> 1
-                self._writer.add_message(channel, t_ns, array("q", tape).tobytes(), t_ns)
+                self._writer.add_message(channel, t_ns, array("q", tape).tobytes())
                 tape.clear()
         for channel, block in self._blocks:
             if block:
                 (t_ns,) = FIRST_TIME.unpack_from(block)
-                self._writer.add_message(channel, t_ns, bytes(block), t_ns)
+                self._writer.add_message(channel, t_ns, block)
                 block.clear()
         for _block, pairs in self._spi.values():
             pairs.clear()
         if now_ns is not None:
-            self._writer.add_message(self._marks, now_ns, MARK.pack(now_ns), now_ns)
+            self._writer.add_message(self._marks, now_ns, MARK.pack(now_ns))
         self._writer.flush()
 
     def close(self, summary: Mapping[str, str] | None = None) -> None:

@@ -56,7 +56,7 @@ class WholeReader(CaptureReader):
             )
             return
         if run.without_truth is not None and found:
-            self.notes.append(f"rows decoded anew have no errors: {run.without_truth}")
+            self.notes.append(f"rows decoded anew have no errors against the truth: {run.without_truth}")
         known = {topic: (encoding, schema) for topic, encoding, schema in self.declared}
         for topic, time_ns, data in found:
             if topic in known:

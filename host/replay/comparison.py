@@ -11,6 +11,9 @@ from hal.emulated.can_bursts import HeardFrame
 from hal.emulated.i2c import I2cTransfer
 from host.capture.blocks import (
     CAN_SCHEMA,
+    OLD_SENT_SCHEMA,
+    SENT_HEAD,
+    SENT_SCHEMA,
     UART_HEAD,
     CanMessage,
     I2cTransaction,
@@ -78,10 +81,13 @@ class Compared:
 class Comparison:
     """Implements `host.run.listening.WireRecords`: takes what the replayed board sends and compares it."""
 
-    def __init__(self, output_nets: Iterable[str], can_schema: str = CAN_SCHEMA) -> None:
-        """`can_schema`: of the capture's CAN topics."""
+    def __init__(
+        self, output_nets: Iterable[str], can_schema: str = CAN_SCHEMA, sent_schema: str = SENT_SCHEMA
+    ) -> None:
+        """`can_schema`, `sent_schema`: of the capture's CAN topics, and of those of what UARTs send."""
         self._output_nets = set(output_nets)
         self._can_schema = can_schema
+        self._sent_schema = sent_schema
         self.wires: dict[str, Compared] = {}
         self.difference: Difference | None = None
 
@@ -96,11 +102,13 @@ class Comparison:
 
     def uart_recorder(self, port: str, direction: str) -> UartRecorder:
         """For what a UART sends."""
-        block = self._wire(uart_topic(port, direction), "navtwin.UartBlock").replayed
+        block = self._wire(uart_topic(port, direction), self._sent_schema).replayed
+        tells_rates = self._sent_schema != OLD_SENT_SCHEMA
 
-        def record(end_ns: int, data: bytes) -> None:
+        def record(end_ns: int, data: bytes, baud: int = 0) -> None:
             nonlocal block
-            block += UART_HEAD.pack(end_ns, len(data))
+            n = len(data)
+            block += SENT_HEAD.pack(end_ns, baud, n) if tells_rates else UART_HEAD.pack(end_ns, n)
             block += data
 
         return record
@@ -205,13 +213,17 @@ def _shown(record: Traffic | None, first: int) -> str:
         case LineCut() | Mark():
             return f"{time_of(record) / 1e9:.9f} s"
         case _:
-            name = _can_name(record) if isinstance(record, CanMessage) else ""
+            name = _can_name(record) if isinstance(record, CanMessage) else _rate(record)
             return f"ends at {record.end_ns / 1e9:.9f} s, {name}{shown_bytes(record.data, first)}"
 
 
 def _can_name(record: CanMessage) -> str:
     sender = "" if record.sender is None else f"from {record.sender}, "
     return f"identifier 0x{record.identifier:X}, {sender}"
+
+
+def _rate(record: UartChunk | LinePiece) -> str:
+    return "" if record.baud is None else f"{record.baud} baud, "
 
 
 def shown_transfer(done: I2cTransfer, first: int = 0) -> str:

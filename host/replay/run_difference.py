@@ -145,8 +145,7 @@ def _divergences(a: _Run, b: _Run) -> tuple[list[Difference], tuple[str, ...]]:
     for pair in zip(readers[0].windows(), readers[1].windows(), strict=False):
         end_ns = min(window.end_ns for window in pair)
         if not wires:
-            both = set(readers[0].raw_topics) & set(readers[1].raw_topics) - {MARK_TOPIC}
-            wires = {topic: Compared(str(readers[0].raw_schema(topic))) for topic in sorted(both)}
+            wires = {topic: Compared(schema) for topic, schema in _common_topics(*readers).items()}
         for topic, wire in wires.items():
             if topic in found:
                 continue
@@ -158,6 +157,12 @@ def _divergences(a: _Run, b: _Run) -> tuple[list[Difference], tuple[str, ...]]:
         if len(found) == len(wires):
             break
     return list(found.values()), tuple(wires)
+
+
+def _common_topics(a: CaptureReader, b: CaptureReader) -> dict[str, str]:
+    """Raw topics, and their schemas, that two captures hold alike: those of another format may tell more."""
+    both = sorted(set(a.raw_topics) & set(b.raw_topics) - {MARK_TOPIC})
+    return {topic: str(a.raw_schema(topic)) for topic in both if a.raw_schema(topic) == b.raw_schema(topic)}
 
 
 def _growth(a: _Run, b: _Run) -> tuple[tuple[Stage, ...], dict[str, float | None]]:

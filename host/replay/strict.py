@@ -19,9 +19,19 @@ from firmware.numerics.subnormals import check_subnormals
 from hal.emulated.i2c import I2cTransfer
 from hal.emulated.pins import Net
 from hal.emulated.virtual_time import FAR, SECOND
-from host.capture.blocks import CAN_SCHEMA, OLD_CAN_SCHEMA, PIN, i2c_topic, pin_topic, spi_topic, uart_topic
+from host.capture.blocks import (
+    CAN_SCHEMA,
+    OLD_CAN_SCHEMA,
+    OLD_SENT_SCHEMA,
+    PIN,
+    SENT_SCHEMA,
+    i2c_topic,
+    pin_topic,
+    spi_topic,
+    uart_topic,
+)
 from host.capture.reader import CaptureReader, Window
-from host.capture.writer import CAPTURE_FORMAT, FORMAT_2
+from host.capture.writer import CAPTURE_FORMAT, FORMAT_2, FORMAT_3
 from host.record.errors import UserError
 from host.replay.comparison import Comparison, Difference, shown_bytes, shown_transfer
 from host.replay.control_tape import OWN_FAULTS, ControlTape
@@ -43,6 +53,7 @@ from host.run.listening import Ears
 from host.run.setup import Setup
 from host.run.warm_up import BOOT_NS, compile_missing
 
+REPLAYED_FORMATS = (CAPTURE_FORMAT, FORMAT_3, FORMAT_2)
 WARM_UP_WINDOWS = 2
 CLEAN_UP_EVERY = 50
 """Windows between two looks of the collector of cycles."""
@@ -141,7 +152,8 @@ class Player:
         self._control = ControlTape(board, seed, place_faults(own, board, {}, seed, FAR))
         outputs = _output_nets(setup.board)
         can_schema = OLD_CAN_SCHEMA if reader.format == FORMAT_2 else CAN_SCHEMA
-        self.comparison = Comparison(outputs, can_schema)
+        sent_schema = SENT_SCHEMA if reader.format == CAPTURE_FORMAT else OLD_SENT_SCHEMA
+        self.comparison = Comparison(outputs, can_schema, sent_schema)
         self.ears = Ears(board, HOST_PORT, _ignore, self.comparison)
         self.difference: Difference | None = None
         self.now_ns = 0
@@ -247,10 +259,10 @@ class Player:
 
 
 def _checked_setup(reader: CaptureReader, request: ReplayRequest) -> Setup:
-    if reader.format not in (CAPTURE_FORMAT, FORMAT_2):
+    if reader.format not in REPLAYED_FORMATS:
         raise UserError(
             f"capture {request.capture}: its format is {reader.format}; a strict replay needs"
-            f" {CAPTURE_FORMAT} or {FORMAT_2} (pins and exact times of lines);"
+            f" {', '.join(REPLAYED_FORMATS[:-1])} or {REPLAYED_FORMATS[-1]} (pins and exact times of lines);"
             " record it anew with navtwin run"
         )
     begin_s = reader.manifest.get("cut", {}).get("from_s", 0.0)

@@ -101,9 +101,9 @@ class WireEar:
         """All that has ended since the last time; every piece goes to the capture."""
         pieces = self._receiver.pieces()
         if self._record is not None:
-            for data, end_ns in pieces:
-                self._record(end_ns, data)
-        return pieces
+            for data, end_ns, baud in pieces:
+                self._record(end_ns, data, baud)
+        return [piece[:2] for piece in pieces]
 
 
 class CanEar:

@@ -56,6 +56,7 @@ class UartLines:
         self._fixed = fixed
         self._runs: list[Run | None] = [None, None]
         self._rates: tuple[set[int], set[int]] = (set(), set())
+        self._told = False
 
     def units(self, record: Traffic) -> list[Unit]:
         """Bytes, or the end of what was told."""
@@ -86,7 +87,8 @@ class UartLines:
 
     def facts(self) -> dict[str, Any]:
         """Every rate that was met, and how that of the line out is known."""
-        told = "given" if self._fixed else "taken from the board and the other direction"
+        guessed = "recorded" if self._told else "taken from the board and the other direction"
+        told = "given" if self._fixed else guessed
         return {
             "rx_baud": sorted(self._rates[RX]),
             "tx_baud": sorted(self._rates[TX]),
@@ -94,11 +96,13 @@ class UartLines:
         }
 
     def _chunk(self, lane: int, record: UartChunk) -> list[Unit]:
-        """Bytes of which only the end of the last is known."""
+        """Bytes of which the end of the last is known, and since format 4 the rate."""
         count, before = len(record.data), self._runs[lane]
-        baud = self._baud
+        told = None if self._fixed else record.baud
+        baud = self._baud if told is None else told
+        self._told |= told is not None
         if before is not None:
-            baud = self._fitting(record, before.end_ns)
+            baud = self._fitting(record, before.end_ns) if told is None else told
             begin = record.end_ns - _frames_ns(count, baud)
             whole_end = before.start_ns + _frames_ns(before.length + count, baud)
             if before.baud == baud and begin - before.end_ns in (0, 1) and whole_end == record.end_ns:

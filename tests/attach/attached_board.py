@@ -36,7 +36,7 @@ def said(profile: str = "full-rate", seconds: int = 25, *changes: str) -> bytes:
     place_faults(world.scenario.fault, board, surroundings.sights, 1, seconds * SECOND)
     ear = board.from_board["host"].connect_late()
     board.machine.run_until(seconds * SECOND)
-    data = b"".join(piece for piece, _end in ear.pieces())
+    data = b"".join(piece for piece, _end, _baud in ear.pieces())
     board.machine.power_off()
     return data
 

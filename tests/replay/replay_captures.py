@@ -5,12 +5,12 @@ from __future__ import annotations
 import functools
 import json
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from mcap.writer import Writer
 
-from host.capture.blocks import spans
+from host.capture.blocks import CAN_HEAD, SENT_CAN_HEAD, SENT_HEAD, UART_HEAD, spans
 from host.capture.reader import CaptureReader, RawMessage
 from host.record.result import RunRequest, RunResult
 from host.run.runner import run
@@ -47,8 +47,13 @@ def tampered(
     target: Path,
     change: Callable[[RawMessage, int, int, bytes], bytes],
     form: str | None = None,
+    schema_names: Mapping[str, str] | None = None,
 ) -> Path:
-    """A copy in which `change(message, number, time, record)` decides on each raw record (b"" drops it)."""
+    """A copy in which `change(message, number, time, record)` decides on each raw record (b"" drops it).
+
+    `schema_names`: other names for schemas.
+    """
+    renamed = schema_names or {}
     reader = CaptureReader(source)
     numbers: dict[str, int] = {}
     with target.open("wb") as file:
@@ -65,7 +70,7 @@ def tampered(
                 for topic, encoding, schema in reader.declared:
                     if schema.name not in schemas:
                         schemas[schema.name] = writer.register_schema(
-                            schema.name, schema.encoding, schema.data
+                            renamed.get(schema.name, schema.name), schema.encoding, schema.data
                         )
                     channels[topic] = writer.register_channel(topic, encoding, schemas[schema.name])
             data = message.data
@@ -80,3 +85,23 @@ def tampered(
         writer.add_metadata("end", reader.summary)
         writer.finish()
     return target
+
+
+def in_older_format(source: Path, target: Path, number: int) -> Path:
+    """The same capture as format 3 wrote it, which did not know at what rate UARTs send, or as format 2 did,
+    which did not know who sent CAN frames either."""
+
+    def change(message: RawMessage, _number: int, _time_ns: int, record: bytes) -> bytes:
+        if message.schema.name == "navtwin.SentBlock":
+            end_ns, _baud, n = SENT_HEAD.unpack_from(record)
+            return UART_HEAD.pack(end_ns, n) + record[SENT_HEAD.size :]
+        if message.schema.name == "navtwin.CanFrameBlock" and number == 2:
+            end_ns, identifier, n, _s = SENT_CAN_HEAD.unpack_from(record)
+            data = record[SENT_CAN_HEAD.size :][:n]
+            return CAN_HEAD.pack(end_ns, identifier, n) + data
+        return record
+
+    names = {"navtwin.SentBlock": "navtwin.UartBlock"}
+    if number == 2:
+        names["navtwin.CanFrameBlock"] = "navtwin.CanBlock"
+    return tampered(source, target, change, f"navtwin-capture-{number}", names)

@@ -3,16 +3,17 @@
 import json
 
 import pytest
-from replay_captures import FAULTS, captured, tampered
+from replay_captures import FAULTS, captured, in_older_format, tampered
 from typer.testing import CliRunner
 
 from boards.places import board_folder
-from host.capture.blocks import SpiTransaction, UartChunk
+from host.capture.blocks import LinePiece, SpiTransaction, UartChunk
 from host.capture.cutting import cut
 from host.capture.reader import CaptureReader
 from host.cli.main import app
 from host.record.errors import UserError
 from host.replay.request import ReplayRequest
+from host.replay.run_difference import compare_runs
 from host.replay.strict import replay_strict
 
 
@@ -186,9 +187,32 @@ def test_a_capture_of_an_older_format_is_told(tmp_path):
     capture, _ = captured("full-rate", "duration_s=12")
     old = tampered(capture, tmp_path / "x.mcap", unchanged, form="navtwin-capture-1")
     with pytest.raises(
-        UserError, match=r"its format is navtwin-capture-1; a strict replay needs navtwin-capture-3"
+        UserError, match=r"its format is navtwin-capture-1; a strict replay needs navtwin-capture-4"
     ):
         replay_strict(ReplayRequest(old))
+
+
+@pytest.mark.parametrize("number", [2, 3])
+def test_captures_of_formats_2_and_3_replay_as_before(number, tmp_path):
+    capture, result = captured("full-rate", "duration_s=12")
+    old = in_older_format(capture, tmp_path / "x.mcap", number)
+    replayed = replay_strict(ReplayRequest(old))
+    assert replayed.ok
+    assert replayed.state_hash == result.state_hash
+    chunks = [one for one in CaptureReader(old) if isinstance(one, UartChunk)]
+    assert {one.baud for one in chunks} == {None}
+    assert compare_runs(capture, old).same
+
+
+def test_what_a_board_sent_tells_its_rate(tmp_path):
+    """9600 baud to the receiver until it is configured, then the faster rate of the board's driver."""
+    capture, _ = captured("full-rate", "duration_s=12")
+    board = [one for one in CaptureReader(capture) if isinstance(one, UartChunk)]
+    assert {one.baud for one in board if one.port == "host"} == {230_400}
+    rates = [one.baud for one in board if one.port == "gnss"]
+    told = [one.baud for one in CaptureReader(capture) if isinstance(one, LinePiece) and one.port == "gnss"]
+    assert rates[0] == 9600
+    assert rates[-1] == told[-1] > 9600
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 from host.capture.reader import CaptureReader, Decoded
 from host.cli.main import app
+from host.recovery.whole_reader import WholeReader
 from host.replay.request import ReplayRequest
 from host.replay.strict import replay_strict
 
@@ -118,6 +119,8 @@ def test_after_kill_minus_nine_the_capture_is_there_and_replays(moment_s, tmp_pa
     assert not replayed.capture_complete
     assert moment_s - replayed.duration_s < 1.0
     assert commands_of(capture)[0]["command"] == "inject"
+    solutions = [r.time_ns for r in WholeReader(capture) if getattr(r, "topic", "") == "/solution"]
+    assert replayed.duration_s - solutions[-1] / 1e9 < 0.5
 
 
 def test_a_capture_with_commands_goes_through_the_tools(tmp_path):
