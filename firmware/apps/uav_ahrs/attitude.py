@@ -54,6 +54,7 @@ class Attitude:
         made = iteration(self.s, self.i, self._before)
         if drift is not None and made:
             correct = self._correct
+            assert correct is not None
             correct(self.s, self.i, *drift)
         return made
 

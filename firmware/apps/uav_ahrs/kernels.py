@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware.apps.uav_ahrs import fixed_steps
 from firmware.nav.attitude.config import AttitudeConfig, configure
+from firmware.nav.attitude.fixed import loop as fixed_loop
+from firmware.nav.attitude.fixed.config import configure as configure_fixed
 from firmware.nav.drift.settings import DriftSettings, new_state
 from firmware.numerics.dialect import entry_point
 from firmware.numerics.precision import load
@@ -18,13 +21,17 @@ class AttitudeKernels:
     """Entry kernels of the attitude computer. ValueError for an arithmetic that does not exist."""
 
     def __init__(self, arithmetic: str) -> None:
-        self.dtype: Any = np.dtype(arithmetic)
-        steps = load("firmware.apps.uav_ahrs.steps", arithmetic)
-        self.configure = configure
+        fixed = arithmetic == "fixed"
+        self.dtype: Any = np.dtype("int32" if fixed else arithmetic)
+        steps = fixed_steps if fixed else load("firmware.apps.uav_ahrs.steps", arithmetic)
+        loop = fixed_loop if fixed else load("firmware.nav.attitude.loop", arithmetic)
+        self.configure = configure_fixed if fixed else configure
         self.take_burst = entry_point(steps.take_burst)
         self.iteration = entry_point(steps.iteration)
-        self.solution = entry_point(load("firmware.nav.attitude.loop", arithmetic).solution)
-        self.correct = entry_point(load("firmware.nav.drift.correction", arithmetic).correct)
+        self.solution = entry_point(loop.solution)
+        self.correct = (
+            None if fixed else entry_point(load("firmware.nav.drift.correction", arithmetic).correct)
+        )
 
     def new_drift(self, config: AttitudeConfig) -> tuple[NDArray[Any], NDArray[np.int64]]:
         """Memory of the drift compensation."""

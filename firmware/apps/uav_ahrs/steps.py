@@ -21,7 +21,7 @@ READY: Final = 1 << 16
 """Returned beside what was noticed: three samples wait for an iteration."""
 
 SPOILT: Final = 2
-"""Returned by an iteration that went wrong: the state before it was put back."""
+"""Returned by an iteration that found or left a state that is none."""
 LEAST_NORM = np.float32(0.81)
 MOST_NORM = np.float32(1.21)
 """|q|² of a state that is one."""
@@ -56,15 +56,21 @@ def ready(i, found):
     return found | np.int64(READY) if waits else found
 
 
+@kernel
+def forget_old_rates(s, k):
+    """Rates that have stood for too long become those of a body at rest."""
+    if k[FAILED_ROW] > np.int64(HOLD_READS):
+        k[LOST_READS] += np.int64(1)
+        for n in range(np.int32(3)):
+            s[at.OMEGA + at.NEWEST + n] = s[at.GYRO_BIAS + n]
+
+
 @kernel("int64(float32[::1], int64[::1], int64[::1], uint8[::1], int64[::1])")
 def take_burst(s, i, k, raw, words):
     """A burst into the ring of samples; returns what was noticed (`nav.attitude.flags`) and READY."""
     words_of(raw, words)
     found = bridge(s, i) if is_to_bridge(i, k, words) else take_words(s, i, words)
-    if k[FAILED_ROW] > np.int64(HOLD_READS):
-        k[LOST_READS] += np.int64(1)
-        for n in range(np.int32(3)):
-            s[at.OMEGA + at.NEWEST + n] = s[at.GYRO_BIAS + n]
+    forget_old_rates(s, k)
     return ready(i, found)
 
 
@@ -72,29 +78,42 @@ def take_burst(s, i, k, raw, words):
 def is_sound(s):
     """Whether quaternion and velocity are numbers, and such as they can be."""
     norm = ZERO
-    fastest = ZERO
     for n in range(np.int32(4)):
         norm += s[at.QUATERNION + n] * s[at.QUATERNION + n]
     sound = norm > LEAST_NORM and norm < MOST_NORM
     for n in range(np.int32(3)):
-        fastest = abs(s[at.VELOCITY + n])
-        sound = sound and fastest < FASTEST
+        sound = sound and abs(s[at.VELOCITY + n]) < FASTEST
     return sound
+
+
+@kernel
+def put_back(s, before):
+    """Everything but the samples as it was after the last sound iteration."""
+    for n in range(np.int32(at.OMEGA)):
+        s[n] = before[n]
+    for n in range(np.int32(at.C_N_B), np.int32(at.S_SIZE)):
+        s[n] = before[n]
+
+
+@kernel
+def remember(s, before):
+    """This is a sound state."""
+    for n in range(np.int32(at.S_SIZE)):
+        before[n] = s[n]
 
 
 @kernel("int64(float32[::1], int64[::1], float32[::1])")
 def iteration(s, i, before):
-    """One iteration; 1 when made, 0 when samples are missing, SPOILT when `before` was put back.
-
-    `before` (S_SIZE) is the state of the last iteration that went well.
-    """
+    """One iteration; 1 when made, 0 when samples are missing, SPOILT when the state was none and what stood
+    in `before` (S_SIZE), the state after the last sound iteration, was put in its place."""
+    spoilt = not is_sound(s)
+    if spoilt:
+        put_back(s, before)
     made = iterate(s, i)
     if made == np.int64(0):
         return made
-    if is_sound(s):
-        for n in range(np.int32(at.S_SIZE)):
-            before[n] = s[n]
-        return made
-    for n in range(np.int32(at.S_SIZE)):
-        s[n] = before[n]
-    return np.int64(SPOILT)
+    if not is_sound(s):
+        put_back(s, before)
+        spoilt = True
+    remember(s, before)
+    return np.int64(SPOILT) if spoilt else made
