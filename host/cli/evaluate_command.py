@@ -14,7 +14,7 @@ from host.cli.simulate_command import NOTHING_KEPT
 def evaluate_command(
     scenario: Annotated[
         str, typer.Argument(metavar="SCENARIO", help="The drive: a file, or the name of a board's.")
-    ] = "town-open",
+    ] = "long-legs",
     presets: Annotated[
         list[str] | None,
         typer.Option(
@@ -27,7 +27,7 @@ def evaluate_command(
     ] = 60,
     gap: Annotated[
         int, typer.Option("--gap", parser=whole_number, metavar="S", help="Between two outages.")
-    ] = 120,
+    ] = 540,
     seed: Annotated[int, typer.Option("--seed", parser=whole_number, metavar="N")] = 1,
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="FILE", help="A page with the drift (HTML).")

@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+import host.simulate
 from boards.hints import did_you_mean
 from boards.places import board_folder, board_names
 from host.cli.exit_codes import EXIT_MET
@@ -28,6 +29,7 @@ LARGEST_RATE_HZ = 100_000
 SLOWEST_HZ = Fraction(1, 3600)
 LONGEST_LEVER_M = 100.0
 MOST_STEPS_TOLD = 1000
+DRIVES = Path(host.simulate.__file__).parent / "drives"
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,13 +73,13 @@ def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
 
 
 def scenario_file(name: str) -> Path:
-    """A file by its path, or a scenario of any board by its name. Raises UserError."""
+    """A file by its path, or a drive of the simulator or scenario of any board by its name. UserError."""
     path = Path(name)
     if path.suffix == ".toml" or path.parent != Path():
         if not path.is_file():
             raise UserError(f"{name}: no such scenario file; for example navtwin simulate ./drive.toml")
         return path
-    known: dict[str, Path] = {}
+    known = {file.stem: file for file in sorted(DRIVES.glob("*.toml"))}
     for board in reversed(board_names()):
         known |= {file.stem: file for file in sorted((board_folder(board) / "scenarios").glob("*.toml"))}
     if name not in known:

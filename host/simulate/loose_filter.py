@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.sim.earth import radii_and_gravity
-from host.sim.errors.drawn import Specimen, Triad
+from host.sim.errors.drawn import DEG, MILLI_G, Specimen, Triad
+from host.sim.errors.schema import ImuErrors
 from host.sim.mechanization import HEIGHT, LATITUDE, LONGITUDE, QUATERNION, STATE, VELOCITY
 from host.simulate.loose_prediction import (
     BIAS_G,
@@ -36,16 +37,23 @@ LEAST = 1e-12
 """Random walks and biases below this are taken for this, so that a perfect sensor leaves P regular."""
 
 
-def tuning_of(specimen: Specimen) -> Floats:
-    """What the filter knows of a sensor: random walks n/√2 of the densities, σ and T of the biases."""
+def tuning_of(specimen: Specimen, errors: ImuErrors) -> Floats:
+    """What the filter knows of a sensor: random walks n/√2 of the densities, σ and T of the biases; into σ
+    goes what the temperature is to do to them."""
     tuning = np.empty(TUNING)
     triads: tuple[tuple[Triad, int, int, int], ...] = (
         (specimen.gyro, WALK_G, SIGMA_G, TIME_G),
         (specimen.accelerometer, WALK_A, SIGMA_A, TIME_A),
     )
+    rise = abs(errors.temperature.rise_k)
+    warmed = {
+        SIGMA_G: rise * DEG * np.asarray(errors.gyro.bias_temperature_dps_per_k),
+        SIGMA_A: rise * MILLI_G * np.asarray(errors.accelerometer.bias_temperature_mg_per_k),
+    }
     for triad, walk, sigma, time in triads:
         tuning[walk : walk + 3] = np.maximum(LEAST, triad.noise_density / math.sqrt(2.0))
-        tuning[sigma : sigma + 3] = [max(LEAST, process.sigma) for process in triad.processes[:3]]
+        drawn = np.array([max(LEAST, process.sigma) for process in triad.processes[:3]])
+        tuning[sigma : sigma + 3] = np.hypot(drawn, warmed[sigma])
         tuning[time : time + 3] = [process.correlation_s or 1.0 for process in triad.processes[:3]]
     return tuning
 

@@ -45,7 +45,7 @@ class Plan:
 
     outages: int = 20
     length_s: int = 60
-    gap_s: int = 120
+    gap_s: int = 540
     """Between outages, with a receiver."""
     settle_s: int = 300
     """Before the first one."""
@@ -137,7 +137,8 @@ def drift_of(scenario: Scenario, plan: Plan, preset: str, seed: int, progress: P
         driven(scenario, plan, preset), seed, Fraction(RATE_HZ), Fraction(1), Convention.INCREMENT
     )
     drive = Drive(request)
-    specimen = draw_specimen(load_preset(preset), seed, IMU)
+    errors = load_preset(preset)
+    tuning = tuning_of(draw_specimen(errors, seed, IMU), errors)
     windows = plan.windows()
     found: list[list[float]] = []
     tracker: LooseFilter | None = None
@@ -146,7 +147,7 @@ def drift_of(scenario: Scenario, plan: Plan, preset: str, seed: int, progress: P
     next(epochs)
     for block, ends_second in _by_second(drive):
         if tracker is None:
-            tracker = _started(tuning_of(specimen), block.truth[0], seed)
+            tracker = _started(tuning, block.truth[0], seed)
             block, before_ns = _part(block, 1, len(block.times_ns)), int(block.times_ns[0])
         lengths = np.diff(block.times_ns, prepend=before_ns) / NS
         tracker.predict(np.hstack((block.felt[:, 3:6], block.felt[:, :3])), lengths)

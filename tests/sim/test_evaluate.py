@@ -116,6 +116,6 @@ def test_mistakes_are_told_in_one_message(arguments: list[str], words: str) -> N
 
 def test_a_drive_that_cannot_be_driven_again_is_told(streets: Path) -> None:
     streets.write_text(STREETS.replace("to_mps = 0.0", "to_mps = 9.0"))
-    result = evaluate(streets, "--outages", 2)
+    result = evaluate(streets, "--outages", 2, "--gap", 120)
     assert result.exit_code == 2
     assert "lasts 74 s, the test 541 s; to be driven again it must end" in result.output

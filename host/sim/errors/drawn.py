@@ -1,7 +1,8 @@
 """One specimen of a sensor: its preset with every random constant drawn, in SI units and the sensor's axes.
 
 Measured = true + S true + N true + Q true² + b (+ G f for gyros) + noise, source 002 eqs. 3-35 and 3-36 with
-a parabola Q for what is not linear (nothing at zero). Draws come from generators named after the component and the quantity: changing one value leaves all others alone.
+a parabola Q for what is not linear (nothing at zero). Draws come from generators named after the component
+and the quantity: changing one value leaves all others alone.
 """
 
 from __future__ import annotations
