@@ -14,6 +14,7 @@ from host.cli.attach_command import app as attach_app
 from host.cli.baseline_command import app as baseline_app
 from host.cli.campaign_command import Baseline, Tolerance, campaign_command
 from host.cli.capture_command import app as capture_app
+from host.cli.compare_command import compare_command
 from host.cli.diff_command import diff_command
 from host.cli.evaluate_command import evaluate_command
 from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
@@ -28,6 +29,7 @@ from host.cli.serve_command import EPILOG as SERVE_EPILOG
 from host.cli.serve_command import serve_command
 from host.cli.simulate_command import simulate_command
 from host.cli.sweep_command import sweep_command
+from host.cli.table_command import app as table_app
 from host.cli.waves_command import waves_command
 
 EXAMPLES = (
@@ -176,6 +178,8 @@ app.command("import")(import_command)
 app.command("replay")(replay_command)
 app.command("diff")(diff_command)
 app.command("waves")(waves_command)
+app.command("compare")(compare_command)
+app.add_typer(table_app, name="table")
 app.command("serve", epilog=SERVE_EPILOG)(serve_command)
 app.command("monitor")(monitor_command)
 app.command("simulate")(simulate_command)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from boards.hints import did_you_mean
 from firmware.nav.attitude.profiles import PROFILES
+from host.campaign.plan import parse_seeds
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.output_files import check_files, for_people, write_json
 from host.cli.terminal import print_section
@@ -26,8 +27,14 @@ from host.tables.coning_page import section as coning_section
 from host.tables.coning_page import to_dict as coning_dict
 from host.tables.document import AXES, DocumentRow, document_rows
 from host.tables.ideal_angles import ideal_row
+from host.tables.turn_and_stop import stop_drift
+from host.tables.turn_and_stop_page import page as drift_page
+from host.tables.turn_and_stop_page import section as drift_section
+from host.tables.turn_and_stop_page import to_dict as drift_dict
 
 ANGLES_FORMAT = "navtwin-angle-tables-1"
+DRIFT_FORMAT = "navtwin-drift-table-1"
+COMPENSATIONS = ("off", "on")
 CONING_FORMAT = "navtwin-coning-table-1"
 CONING_LIMITS = (
     ("half-angle", 0.001, 30.0, "°"),
@@ -44,7 +51,17 @@ class AskedAngles:
     angles: str | None
     feed: str
     arithmetic: str
+    compensation: str
     seed: int
+
+
+@dataclass(frozen=True, slots=True)
+class AskedDrift:
+    """The words of the command line."""
+
+    arithmetic: str
+    compensation: str
+    seeds: str
 
 
 def show_angles(asked: AskedAngles, output: Path | None, json_file: str | None, quiet: bool) -> int:
@@ -52,9 +69,12 @@ def show_angles(asked: AskedAngles, output: Path | None, json_file: str | None, 
     wanted = _wanted_rows(asked)
     feeds = chosen("--feed", asked.feed, FEEDS)
     arithmetics = chosen("--arithmetic", asked.arithmetic, PROFILES)
+    compensations = chosen("--compensation", asked.compensation, COMPENSATIONS)
+    if len(compensations) != 1:
+        raise UserError(f"--compensation {asked.compensation}: one of both; for example --compensation off")
     check_seed(asked.seed)
     check_files(("-o", output), ("--json", json_file))
-    rows = list(_measured(wanted, feeds, arithmetics, asked.seed))
+    rows = list(_measured(wanted, feeds, arithmetics, asked.seed, compensations == ("on",)))
     console = for_people(json_file)
     if not quiet:
         for section in (*angle_sections(rows), summary(rows)):
@@ -62,18 +82,31 @@ def show_angles(asked: AskedAngles, output: Path | None, json_file: str | None, 
     if output is not None:
         write_whole(output, angle_page("Angles of the rotary table", rows), "-o")
         console.print(f"written: {output}", soft_wrap=True)
-    about = {"format": ANGLES_FORMAT, "seed": asked.seed, "met": all(row.met for row in rows)}
+    about = {
+        "format": ANGLES_FORMAT,
+        "seed": asked.seed,
+        "compensation": asked.compensation,
+        "met": all(row.met for row in rows),
+    }
     write_json(about | {"rows": [to_dict(row) for row in rows]}, json_file)
     return EXIT_MET if about["met"] else EXIT_NOT_MET
 
 
 def _measured(
-    wanted: Sequence[DocumentRow], feeds: Sequence[str], arithmetics: Sequence[str], seed: int
+    wanted: Sequence[DocumentRow],
+    feeds: Sequence[str],
+    arithmetics: Sequence[str],
+    seed: int,
+    compensated: bool,
 ) -> Iterator[AngleRow]:
     for feed in feeds:
         for row in wanted:
             for arithmetic in arithmetics:
-                yield chip_row(row, arithmetic, seed) if feed == CHIP else ideal_row(row, arithmetic)
+                yield (
+                    chip_row(row, arithmetic, seed, compensated)
+                    if feed == CHIP
+                    else ideal_row(row, arithmetic)
+                )
 
 
 def _wanted_rows(asked: AskedAngles) -> list[DocumentRow]:
@@ -96,6 +129,28 @@ def _degrees(text: str) -> float:
         return float(text)
     except ValueError:
         raise UserError(f"--angle {text}: not a number; for example --angle 30,-90") from None
+
+
+def show_drift(asked: AskedDrift, output: Path | None, json_file: str | None, quiet: bool) -> int:
+    """Returns the exit code. Raises UserError."""
+    arithmetics = chosen("--arithmetic", asked.arithmetic, PROFILES)
+    compensations = chosen("--compensation", asked.compensation, COMPENSATIONS)
+    seeds = parse_seeds(asked.seeds)
+    check_files(("-o", output), ("--json", json_file))
+    drifts = [
+        stop_drift(arithmetic, seeds, compensation == "on")
+        for compensation in compensations
+        for arithmetic in arithmetics
+    ]
+    console = for_people(json_file)
+    if not quiet:
+        print_section(console, drift_section(drifts))
+    if output is not None:
+        write_whole(output, drift_page(drifts), "-o")
+        console.print(f"written: {output}", soft_wrap=True)
+    met = all(one.met is not False for one in drifts)
+    write_json({"format": DRIFT_FORMAT, "met": met, "drifts": [drift_dict(one) for one in drifts]}, json_file)
+    return EXIT_MET if met else EXIT_NOT_MET
 
 
 def show_coning(

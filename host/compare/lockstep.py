@@ -58,7 +58,7 @@ def compare(
     others = [Difference(name, reference) for name in arithmetics if name != reference]
     bursts, begin_s, end_s = 0, 0.0, 0.0
     for some in stream:
-        times_s = some.times_ns * 1e-9
+        times_s = some.times_ns.astype(np.float64) * 1e-9
         begin_s = begin_s if bursts else float(times_s[0])
         end_s, bursts = float(times_s[-1]), bursts + len(some)
         made = {name: lane.take(some) for name, lane in lanes.items()}

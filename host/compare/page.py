@@ -40,9 +40,8 @@ def _whole(comparison: Comparison) -> Section:
             )
     columns = ("arithmetic", "quantity", "RMS", "largest", "at, s", "at the end", "verdict")
     note = (
-        f"Differences to {comparison.reference} over {count(comparison.differences[0].count)} iterations, from"
-        f" the same {count(comparison.bursts)} bursts in {number(comparison.end_s - comparison.begin_s)} s: what"
-        " is owed to the arithmetic alone."
+        f"Over {count(comparison.differences[0].count)} iterations from the same {count(comparison.bursts)}"
+        f" bursts in {number(comparison.end_s - comparison.begin_s)} s: what is owed to the arithmetic alone."
     )
     apart = sum(one.only_one for one in comparison.differences)
     if apart:

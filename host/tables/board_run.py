@@ -25,7 +25,7 @@ from host.tables.positions import PLACE
 Array = NDArray[np.float64]
 
 BOARD = "uav_ahrs"
-STILL_S = 12.0
+STILL_S = 7.0
 """Start-up, self-test, alignment."""
 SETTINGS: dict[str, Any] = {
     "latitude_deg": PLACE["latitude_deg"],

@@ -56,7 +56,8 @@ class Coning:
 
     def samples(self) -> Array:
         """ω_ib, f_b and no field (2 n + 1, 9) every half iteration, standing on the turning Earth."""
-        times = 0.5 * self.period * np.arange(2 * round(self.duration_s / self.period) + 1)
+        count = 2 * round(self.duration_s / self.period) + 1
+        times = 0.5 * self.period * np.arange(count, dtype=np.float64)
         omega = 2.0 * math.pi * self.frequency_hz
         around = omega * math.sin(self.half_angle)
         about = -omega * (1.0 - math.cos(self.half_angle))
@@ -107,7 +108,7 @@ def coning_drifts(
                 attitude=(0.0, 0.0, angle),
             )
             made = compute(arithmetic, config, samples)
-            times = coning.period * np.arange(1, len(made.q_nb) + 1)
+            times = coning.period * np.arange(1, len(made.q_nb) + 1, dtype=np.float64)
             error = rotation_between_quaternions(_unit(made.q_nb), coning.attitude(times))
             each = max(1, round(1.0 / coning.period))
             yield ConingDrift(

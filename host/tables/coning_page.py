@@ -11,7 +11,7 @@ import numpy as np
 
 from host.report.charts import FUSED, GNSS, OUTAGE_LINE, TRUTH, Chart, line
 from host.report.html import chart_block, chart_scripts, document, table
-from host.report.numbers import NONE, number
+from host.report.numbers import NONE
 from host.report.summary import Section
 from host.tables.coning import Coning, ConingDrift
 
@@ -35,8 +35,8 @@ def section(coning: Coning, drifts: Sequence[ConingDrift]) -> Section:
     rows = []
     for method in dict.fromkeys(one.method for one in drifts):
         mine = {one.arithmetic: one for one in drifts if one.method == method}
-        cells = [number(math.degrees(mine[name].drift)) if name in mine else NONE for name in arithmetics]
-        known = number(math.degrees(coning.drift_of_summed_angles)) if method in SUMMED else NONE
+        cells = [f"{math.degrees(mine[name].drift):.5f}" if name in mine else NONE for name in arithmetics]
+        known = f"{math.degrees(coning.drift_of_summed_angles):.5f}" if method in SUMMED else NONE
         rows.append((NAMES[method], *cells, known))
     columns = ("update", *(f"{name}, °" for name in arithmetics), "summed angles in closed form, °")
     return Section(_title(coning), columns, tuple(rows), note=_note(coning))

@@ -44,7 +44,8 @@ def compute(profile: str, config: AttitudeConfig, samples: Array) -> Computed:
         records[place] = out
     wanted = [at.OUT_PITCH, at.OUT_ROLL, at.OUT_YAW]
     quaternion = records[:, at.OUT_QUATERNION : at.OUT_QUATERNION + 4]
-    return Computed(records[:, wanted] * NANO, quaternion * NANO, int(records[-1, at.OUT_SATURATIONS]))
+    angles = np.asarray(records[:, wanted] * NANO, np.float64)
+    return Computed(angles, np.asarray(quaternion * NANO, np.float64), int(records[-1, at.OUT_SATURATIONS]))
 
 
 def level_at(latitude: float, height: float, method: str) -> AttitudeConfig:
