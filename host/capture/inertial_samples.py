@@ -52,6 +52,10 @@ class InertialSamples:
     temperature_times_ns: NDArray[np.int64]
     temperature: NDArray[np.float64]
     """°C; may be empty."""
+    field: NDArray[np.float64] | None = None
+    """(n, 3) T, of a sensor with magnetometers."""
+    pressure: NDArray[np.float64] | None = None
+    """(n,) Pa, of one with a barometer."""
 
 
 class Bmi160Traffic:
@@ -156,10 +160,6 @@ class Bmi160Traffic:
             return 0
         ticks = int.from_bytes(data[place : place + 3], "little")
         return round((ticks % self._period_ticks()) * TICK_NS)
-
-
-DECODERS = {"BMI160": Bmi160Traffic}
-"""By part."""
 
 
 def register_access(done: I2cTransfer, clock_hz: int) -> SpiTransaction | None:

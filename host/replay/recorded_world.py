@@ -9,11 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from boards.chips.world import GnssEpoch
+from boards.chips.world import GnssEpoch, ImuWorld, TenDofWorld
 from boards.description import Board
 from host.capture.blocks import I2cTransaction, SpiTransaction
-from host.capture.inertial_samples import DECODERS, InertialSamples, register_access
+from host.capture.inertial_samples import InertialSamples, register_access
 from host.capture.reader import CaptureReader, Decoded
+from host.capture.sensor_traffic import DECODERS
 from host.record.errors import UserError
 from host.record.run_data import NAVIGATING
 from host.replay.road import NS, Road
@@ -138,6 +139,26 @@ class FeltImu(RecordedImu):
         return out
 
 
+class FeltRecordedField:
+    """A recorded sensor with its magnetometers and barometer: implements `boards.chips.world.TenDofWorld`."""
+
+    def __init__(self, imu: ImuWorld, samples: InertialSamples, C_b_s: Array, mounting: Array) -> None:
+        """`C_b_s` of the recorded chip, `mounting` of the one that feels it now."""
+        assert samples.field is not None
+        assert samples.pressure is not None
+        self._imu = imu
+        self._times_ns = samples.times_ns
+        self._columns = [*(samples.field @ C_b_s.T @ mounting).T, samples.pressure]
+
+    def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> Array:
+        """Linear between the recorded samples."""
+        out = np.empty((len(times_ns), 11))
+        out[:, :7] = self._imu.sample(times_ns, bandwidth_hz)
+        for place, column in enumerate(self._columns, start=7):
+            out[:, place] = np.interp(times_ns, self._times_ns, column)
+        return out
+
+
 class RecordedVehicle:
     """Implements `host.sim.world.Vehicle` from a capture that has been read."""
 
@@ -153,6 +174,15 @@ class RecordedVehicle:
         samples = self._capture.samples
         source = name if name in samples else next(iter(samples))
         return FeltImu(samples[source], self._capture.mountings[source], mounting)
+
+    def ambient(self, imu: ImuWorld, name: str, mounting: Array) -> FeltRecordedField | None:
+        """What the recorded sensor felt beside its motion; None: it has no magnetometers or no barometer."""
+        samples = self._capture.samples
+        source = name if name in samples else next(iter(samples))
+        found = samples[source]
+        if found.field is None or found.pressure is None:
+            return None
+        return FeltRecordedField(imu, found, self._capture.mountings[source], mounting)
 
     def gnss(self, name: str, lever_arm: Array, second_lever_arm: Array | None = None) -> RecordedEpochs:
         """The recorded receiver."""
@@ -174,6 +204,19 @@ class RecordedWorld(World):
         self.scenario = scenario.model_copy(update={"fault": []})
         self.seed = 1
         self._vehicle: RecordedVehicle = vehicle
+
+    def ten_dof(
+        self,
+        name: str,
+        mounting: Array | None = None,
+        lever_arm: Array | None = None,
+        preset: str | None = None,
+    ) -> TenDofWorld:
+        """Field and pressure as recorded, or, where no sensor felt them, as the road's places have them."""
+        rotation = np.eye(3) if mounting is None else np.asarray(mounting, dtype=np.float64)
+        imu = self.imu(name, rotation, lever_arm, preset)
+        recorded = self._vehicle.ambient(imu, name, rotation)
+        return super().ten_dof(name, rotation, lever_arm, preset) if recorded is None else recorded
 
     def another(self) -> RecordedWorld:
         """The same: a capture has no state."""

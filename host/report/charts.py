@@ -206,7 +206,8 @@ def _focus(data: RunData, error: str, sigma: str) -> list[float] | None:
     beside = 3 * data.solution.column(sigma)[settled]
     if error in data.gnss.columns and len(data.gnss):
         beside = np.append(beside, np.abs(data.gnss.column(error)))
-    bound = 1.15 * max(error_bound, min(np.nanmax(beside), 3 * error_bound))
+    known = beside[np.isfinite(beside)]
+    bound = 1.15 * max(error_bound, min(known.max(initial=0.0), 3 * error_bound))
     return [-float(bound), float(bound)] if 0 < bound < np.inf else None
 
 
