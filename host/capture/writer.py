@@ -43,11 +43,12 @@ from host.capture.blocks import (
     uart_topic,
 )
 from host.capture.can_senders import with_senders
-from host.capture.inertial_samples import DECODERS, IMU, Bmi160Traffic
+from host.capture.inertial_samples import IMU
 from host.capture.location_fix import LOCATION_FIX, TOPICS
 from host.capture.location_fix import schema as location_fix_schema
 from host.capture.mcap_file import McapFile
 from host.capture.row_messages import RowMessages, event_message
+from host.capture.sensor_traffic import DECODERS, SensorTraffic
 from host.capture.topics import (
     CLOCK,
     CONTROL,
@@ -103,7 +104,7 @@ class CaptureWriter:
         self._tapes: list[tuple[int, list[int]]] = []
         self._spi: dict[str, tuple[bytearray, list[bytes]]] = {}
         """Of each chip select the records, and MOSI of the transactions of two bytes: register accesses."""
-        self._shown: list[tuple[int, str, Bmi160Traffic]] = []
+        self._shown: list[tuple[int, str, SensorTraffic]] = []
         self._marks = self._raw_channel(MARK_TOPIC, "navtwin.Mark")
         self._row_messages = RowMessages()
         self._row_channels = {topic: self._table_channel(topic, *table) for topic, table in TABLES.items()}
