@@ -90,6 +90,9 @@ class Net:
         if not listeners and tape is None and len(edge_listeners) <= 1:
             return edge_listeners[0] if edge_listeners else None
 
+        if tape is not None and not listeners and len(edge_listeners) <= 1:
+            return _recorded(tape, time, level, edge_listeners[0] if edge_listeners else None)
+
         def follow() -> None:
             now = time.now
             if tape is not None:
@@ -136,6 +139,31 @@ class Net:
             raise ValueError(f"net {self.name!r}: {callback!r} does not listen, so it cannot be taken back")
         self._listeners = tuple(other for other in self._listeners if other != callback)
         self._compose()
+
+
+def _recorded(
+    tape: list[int], time: VirtualTime, level: bool, edge_listener: EdgeListener | None
+) -> EdgeListener:
+    """What an edge to `level` brings about on a net with a tape and at most one listener."""
+    append = tape.append
+
+    def fall() -> None:
+        now = time.now
+        append(now + now)
+
+    def rise() -> None:
+        now = time.now
+        append(now + now + 1)
+
+    if edge_listener is None:
+        return rise if level else fall
+
+    def tell() -> None:
+        now = time.now
+        append(now + now + level)
+        edge_listener()
+
+    return tell
 
 
 class EmulatedOutputPin:

@@ -7,11 +7,10 @@ from collections.abc import Mapping
 from typing import Any, BinaryIO
 
 from mcap.records import Schema
-from mcap.writer import CompressionType, Writer
 
 from host.capture.blocks import MARK, MARK_TOPIC
+from host.capture.mcap_file import McapFile
 from host.capture.reader import CaptureReader, RawMessage
-from host.capture.writer import UNBOUNDED
 
 
 class CaptureCopy:
@@ -19,10 +18,9 @@ class CaptureCopy:
 
     def __init__(self, file: BinaryIO, reader: CaptureReader, changes: Mapping[str, Any]) -> None:
         self.messages = 0
-        self._writer = Writer(file, chunk_size=UNBOUNDED, compression=CompressionType.LZ4)
-        self._writer.start(profile="navtwin", library="navtwin")
+        self._writer = McapFile(file, profile="navtwin", library="navtwin")
         text = json.dumps({**reader.manifest, **changes}, indent=1, sort_keys=True).encode()
-        self._writer.add_attachment(0, 0, "manifest.json", "application/json", text)
+        self._writer.add_attachment("manifest.json", "application/json", text)
         self._writer.add_metadata("capture", {"format": reader.format})
         self._schemas: dict[str, int] = {}
         self._channels: dict[str, int] = {}
@@ -32,7 +30,7 @@ class CaptureCopy:
     def take(self, message: RawMessage) -> None:
         """One more message; a mark ends a chunk."""
         channel = self._channel(message.topic, message.encoding, message.schema)
-        self._writer.add_message(channel, message.time_ns, message.data, message.time_ns)
+        self._writer.add_message(channel, message.time_ns, message.data)
         self.messages += 1
         if message.topic == MARK_TOPIC:
             self._writer.flush()
@@ -40,7 +38,7 @@ class CaptureCopy:
     def mark(self, time_ns: int) -> None:
         """Everything up to here has been taken."""
         if MARK_TOPIC in self._channels:
-            self._writer.add_message(self._channels[MARK_TOPIC], time_ns, MARK.pack(time_ns), time_ns)
+            self._writer.add_message(self._channels[MARK_TOPIC], time_ns, MARK.pack(time_ns))
 
     def finish(self) -> None:
         """Write the rest and the index."""

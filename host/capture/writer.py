@@ -7,16 +7,16 @@ forced onto the disk: a power cut of the PC may lose more.) The file is written 
 when the run is over.
 
 The bytes depend on the run alone: times are virtual, nothing in the file comes from a clock or names a
-version of a library. The index at the end of an MCAP file is collected in memory: about 4 MB for each hour.
+version of a library. The index at the end of an MCAP file is collected in memory, packed: about 1 MB for each hour.
 """
 
 from __future__ import annotations
 
 import json
+import struct
 from array import array
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from struct import Struct
 from typing import Any, BinaryIO, Protocol
 
 import numpy as np
@@ -64,8 +64,8 @@ from host.record.tables import Table
 
 CAPTURE_FORMAT = "navtwin-capture-4"
 """Of the raw topics; 4 added the rate at which a UART sends, and when clocks began to count."""
+FORMAT_3, FORMAT_2 = "navtwin-capture-3", "navtwin-capture-2"
 """3 had added I²C buses and the senders of CAN frames, 2 pins, marks and exact times of lines into boards."""
-"""3 had added I²C buses and the senders of CAN frames, 2 pins, marks and exact times on lines into the board."""
 FLUSH_EVERY_NS = 900_000_000
 IMU_TEXT = "{" + ",".join(f'"{name}":%.{n}f' for name, n in zip(IMU.columns, IMU.decimals, strict=True)) + "}"
 """A row of IMU; all of it are numbers."""
@@ -129,8 +129,11 @@ class CaptureWriter:
             try:
                 pack = packs[n]
             except KeyError:
-                pack = packs[n] = Struct(f"{SPI_HEAD.format}{n}s{n}s").pack
-            block += pack(start_ns, end_ns - start_ns, n, mosi, miso)
+                pack = packs[n] = struct.Struct(f"{SPI_HEAD.format}{n}s{n}s").pack
+            try:
+                block += pack(start_ns, end_ns - start_ns, n, mosi, miso)
+            except struct.error:  # neither bytes nor bytearray
+                block += pack(start_ns, end_ns - start_ns, n, bytes(mosi), bytes(miso))
             if n == 2:
                 pairs.append(bytes(mosi))
 
