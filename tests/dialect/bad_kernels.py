@@ -357,6 +357,19 @@ def endless(n):
     return n
 
 
+# host: float in fixed point; target: float in fixed point
+@kernel("int64(int64)")
+def in_fixed_point_halved(x):
+    return np.int64(np.int32(np.float32(np.int32(x & 0xFFFF)) * HALF))
+
+
+# host: float in fixed point; target: float in fixed point
+@kernel("void(int32[::1], float32[::1])")
+def in_fixed_point_moved(out, values):
+    if values[0] > ZERO:
+        out[0] = np.int32(1)
+
+
 # target: no signature
 @kernel
 def never_called(x):

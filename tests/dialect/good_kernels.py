@@ -78,3 +78,12 @@ def clamped_cast(x):
 @kernel("boolean(uint8[::1], int64)")
 def letter(p, n):
     return p[n & 7] == ord("A")
+
+
+@kernel("int64(int32[::1], int64)")
+def in_fixed_point_scaled(p, scale):
+    """Integers only: a 64-bit product, rounded, saturated."""
+    x = (np.int64(p[0]) * (scale & 0xFFFF) + (np.int64(1) << 15)) >> 16
+    x = min(max(x, -LARGEST), LARGEST)
+    p[1] = np.int32(x)
+    return x

@@ -8,7 +8,13 @@ import llvmlite.binding as llvm
 from kernel_builds import Built
 from numba.core import types
 from numba.core.errors import NumbaError
-from problems import Problem, double_problems, fused_problems
+from problems import (
+    Problem,
+    belongs_to_fixed_point,
+    double_problems,
+    floating_problems,
+    fused_problems,
+)
 from target_build import remove_unreachable
 
 from firmware.numerics.dialect import compiled_forms
@@ -24,7 +30,7 @@ def compile_problem(built: Built) -> Problem | None:
 
 
 def problems(built: Built) -> Iterator[Problem]:
-    """Float64 and fused multiply-adds in the code of one compiled kernel and of all it calls."""
+    """Float64, fused multiply-adds, floats in fixed point: in one compiled kernel and in all it calls."""
     result = next(iter(built.made.overloads.values()))
     # The optimised code as it is kept in the cache, for other kernels to be linked with.
     module = llvm.parse_assembly(str(result.library._get_module_for_linking()))
@@ -34,8 +40,11 @@ def problems(built: Built) -> Iterator[Problem]:
     machine = _this_machine()
     remove_unreachable(machine, module)
     ir = str(module)
+    assembly = machine.emit_assembly(module)
     yield from double_problems(built.name, "optimised", ir)
-    yield from fused_problems(built.name, ir, machine.emit_assembly(module))
+    yield from fused_problems(built.name, ir, assembly)
+    if belongs_to_fixed_point(built.name):
+        yield from floating_problems(built.name, "optimised", ir, assembly)
 
 
 @functools.cache

@@ -10,6 +10,15 @@ FUSED_IR = re.compile(
 FUSED_X86 = re.compile(r"\bvfn?m(?:add|sub)\w*")
 FUSED_ARM = re.compile(r"\bvfn?m[as]\.f32\b")
 DOUBLE = re.compile(r"^.*\bdouble\b.*$", re.MULTILINE)
+# A type in LLVM's text, not a part of a name or of an attribute like "use-soft-float".
+FLOATING = re.compile(
+    r"^.*(?<![-\w.@%\"$])(?:half|bfloat|float|double|fp128|x86_fp80)\b(?![-\"]).*$", re.MULTILINE
+)
+FLOATING_X86 = re.compile(
+    r"^\s*v?(?:(?:add|sub|mul|div|sqrt|min|max|round|u?comi|cmp\w*|rcp|rsqrt)[sp][sd]|cvt\w+|f(?:ld|st|i?add|i?mul)\w*)\b.*$",
+    re.MULTILINE,
+)
+FLOATING_ARM = re.compile(r"^\s*v\w+\.f(?:16|32|64)\b.*$", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,3 +44,17 @@ def fused_problems(kernel: str, ir: str, assembly: str) -> Iterator[Problem]:
     for pattern, text in ((FUSED_IR, ir), (FUSED_X86, assembly), (FUSED_ARM, assembly)):
         if found := pattern.search(text):
             yield Problem(kernel, "fused multiply-add", found[0])
+
+
+def belongs_to_fixed_point(kernel: str) -> bool:
+    """Whether a kernel has to do without floating point: those in a package `fixed`, and samples named so."""
+    *packages, name = kernel.split(".")
+    return "fixed" in packages or name.startswith("in_fixed_point_")
+
+
+def floating_problems(kernel: str, which: str, ir: str, assembly: str) -> Iterator[Problem]:
+    """The first floating-point type, of any width, and the first such instruction."""
+    for pattern, text in ((FLOATING, ir), (FLOATING_X86, assembly), (FLOATING_ARM, assembly)):
+        if found := pattern.search(text):
+            yield Problem(kernel, "float in fixed point", f"in the {which} code: {found[0].strip()}")
+            return

@@ -13,7 +13,13 @@ from typing import Any
 import llvmlite.binding as llvm
 import numba
 from kernel_builds import Built
-from problems import Problem, double_problems, fused_problems
+from problems import (
+    Problem,
+    belongs_to_fixed_point,
+    double_problems,
+    floating_problems,
+    fused_problems,
+)
 
 from firmware.numerics.dialect import compile_once_for_all_literals, declare_only
 from firmware.numerics.signature import Signature
@@ -72,10 +78,14 @@ class TargetBuilder:
         entry = result.fndesc.mangled_name
         module = self._module_for_target(str(result.library._final_module), entry)
         yield from double_problems(built.name, "unoptimised", str(module))
+        if belongs_to_fixed_point(built.name):
+            yield from floating_problems(built.name, "unoptimised", str(module), "")
         self._optimise(module, speed=2)
         yield from double_problems(built.name, "optimised for the target", str(module))
         assembly = self._machine.emit_assembly(module)
         yield from fused_problems(built.name, str(module), assembly)
+        if belongs_to_fixed_point(built.name):
+            yield from floating_problems(built.name, "optimised", str(module), assembly)
         if not HARD_FLOAT_CALLS.search(assembly):
             yield Problem(built.name, "soft-float calls", f"no Tag_ABI_VFP_args in the object for {TRIPLE}")
         for symbol in undefined_symbols(self._machine.emit_object(module)):
