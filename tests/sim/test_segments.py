@@ -159,3 +159,17 @@ def test_rest_at_speed_is_refused_with_the_way_out():
 def test_an_unknown_type_code_names_the_known_ones():
     with pytest.raises(ValueError, match=r"type code 11 is not one of 1 … 10, 91"):
         segment_of_row([11, 5, 0, 0])
+
+
+def test_position_passes_steps_of_acceleration_without_a_trace():
+    """Along the equator the way is the longitude times one radius, and the integral of the speed on paper."""
+    segments = [segment_of_row(row) for row in ([4, 1.2345, 5.0, 0], [4, 2.0071, -3.0, 0], [1, 2.0])]
+    m = Motion(segments, MotionState(20.0, math.pi / 2), (0.0, 1.0, 10.0), 0.0)
+    times = np.arange(0, m.end_ns, 1_003_001)
+    t = times / SECOND
+    first, second = np.clip(t, 0.0, 1.2345), np.clip(t - 1.2345, 0.0, 2.0071)
+    last = np.clip(t - 1.2345 - 2.0071, 0.0, None)
+    middle_mps = 20.0 + 5.0 * 1.2345
+    way = 20.0 * first + 2.5 * first**2 + middle_mps * second - 1.5 * second**2
+    way += (middle_mps - 3.0 * 2.0071) * last
+    assert np.abs((m.rows(times)[:, 1] - 1.0) * (6378137.0 + 10.0) - way).max() < 2e-8

@@ -12,7 +12,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from host.sim.compiled import Floats, Integers, entry
+from host.sim.compiled import Floats, entry
 from host.sim.errors.schema import ImuErrors
 
 DEG = math.pi / 180.0
@@ -34,8 +34,8 @@ class OutputStage:
             (FORCE, _in_si(accelerometer.resolution_mg, MILLI_G)),
             (RATE, _in_si(gyro.resolution_dps, DEG)),
         ]
-        self._memory = np.zeros(7)
-        self._memory[6] = -1.0
+        self._memory = np.zeros((2, 3))
+        self._last_ns = -1
 
     @property
     def changes(self) -> bool:
@@ -45,11 +45,14 @@ class OutputStage:
 
     def passed(self, times_ns: NDArray[np.int64], samples: Floats) -> None:
         """Change force (m/s²) and rate (rad/s) in rows (n, 7) at rising times in place."""
-        cutoffs = np.zeros(6)
-        for columns, bandwidth_hz in self._bandwidths:
-            cutoffs[columns] = bandwidth_hz or 0.0
-        if cutoffs.any():
-            low_pass(times_ns, cutoffs, self._memory, samples)
+        for k, (columns, bandwidth_hz) in enumerate(self._bandwidths):
+            if bandwidth_hz is not None:
+                steps_s = np.diff(times_ns, prepend=self._last_ns) * 1e-9
+                shares = -np.expm1(-2.0 * math.pi * bandwidth_hz * np.maximum(steps_s, 0.0))
+                if self._last_ns < 0:
+                    shares[0] = 1.0
+                low_pass(shares, self._memory[k], samples[:, columns])
+        self._last_ns = int(times_ns[-1])
         for columns, limit in self._limits:
             if limit is not None:
                 np.clip(samples[:, columns], -limit, limit, out=samples[:, columns])
@@ -63,16 +66,9 @@ def _in_si(value: float | None, unit: float) -> float | None:
 
 
 @entry
-def low_pass(times_ns: Integers, cutoffs_hz: Floats, memory: Floats, samples: Floats) -> None:
-    """Filter the first six columns; a cut-off of 0 leaves a column alone. `memory`: six outputs and the time
-    of the last sample in s (negative: none)."""
-    for k in range(times_ns.shape[0]):
-        t = times_ns[k] * 1e-9
-        for i in range(6):
-            if cutoffs_hz[i] > 0.0:
-                share = 1.0
-                if memory[6] >= 0.0 and t > memory[6]:
-                    share = 1.0 - math.exp(-2.0 * math.pi * cutoffs_hz[i] * (t - memory[6]))
-                memory[i] += share * (samples[k, i] - memory[i])
-                samples[k, i] = memory[i]
-        memory[6] = t
+def low_pass(shares: Floats, memory: Floats, samples: Floats) -> None:
+    """Filter three columns (n, 3) in place; `memory` (3) holds the last outputs."""
+    for k in range(shares.shape[0]):
+        for i in range(3):
+            memory[i] += shares[k] * (samples[k, i] - memory[i])
+            samples[k, i] = memory[i]

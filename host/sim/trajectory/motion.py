@@ -17,8 +17,9 @@ from numpy.typing import NDArray
 from host.sim.compiled import Floats, Integers, entry
 from host.sim.trajectory.disturbance import Disturbance
 from host.sim.trajectory.kinematics import LATITUDE, ROW, motion_rows
+from host.sim.trajectory.kinks import Kinks
 from host.sim.trajectory.lanes import ANGLE, ANGLES, LANES, PATH, PLACE, fill_sines, follow_path, shake_path
-from host.sim.trajectory.nodes import integrate_nodes, position_at
+from host.sim.trajectory.nodes import position_at
 from host.sim.trajectory.segments import MotionState, Segment, build_channels
 from host.sim.trajectory.shaking import shaking
 from host.sim.trajectory.tables import MotionTables, compile_tables
@@ -47,6 +48,7 @@ class Motion:
         self.tables: MotionTables = compile_tables(channels, disturbance)
         self._starts = [np.array(origin, dtype=np.float64)]
         self._chunks: OrderedDict[int, NDArray[np.float64]] = OrderedDict()
+        self._kinks = Kinks(channels, self.tables, NODE_SHIFT)
         self._put_down: tuple[int, Motion] | None = None
         """When somebody put the vehicle elsewhere, and its motion there."""
 
@@ -73,14 +75,10 @@ class Motion:
     def _rows_here(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
         out = np.empty((len(times_ns), ROW))
         for chunk, part in split_by_chunk(times_ns):
-            fill_rows(
-                *self.tables,
-                self.nodes(chunk),
-                chunk << CHUNK_SHIFT,
-                NODE_SHIFT,
-                times_ns[part],
-                out[part],
-            )
+            nodes, start_ns = self.nodes(chunk), chunk << CHUNK_SHIFT
+            fill_rows(*self.tables, nodes, start_ns, NODE_SHIFT, times_ns[part], out[part])
+            if self._kinks:
+                self._kinks.correct(times_ns[part], nodes, start_ns, out[part])
         return out
 
     def nodes(self, chunk: int) -> NDArray[np.float64]:
@@ -101,14 +99,7 @@ class Motion:
 
     def _integrate(self, chunk: int) -> NDArray[np.float64]:
         nodes = np.empty(((1 << (CHUNK_SHIFT - NODE_SHIFT)) + 1, 6))
-        integrate_nodes(
-            self.tables.layout,
-            self.tables.coefficients,
-            chunk << CHUNK_SHIFT,
-            NODE_SHIFT,
-            self._starts[chunk],
-            nodes,
-        )
+        self._kinks.integrate(chunk << (CHUNK_SHIFT - NODE_SHIFT), self._starts[chunk], nodes)
         return nodes
 
 
