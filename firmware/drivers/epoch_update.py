@@ -31,6 +31,7 @@ from firmware.drivers.gnss_epoch import (
     LON_NANODEG,
     PDOP_CENTI,
     RECORD_SIZE,
+    ROLL_SIGMA_E5DEG,
     S_ACC_MMPS,
     SPEED_MMPS,
     TIME_OF_DAY_MS,
@@ -43,6 +44,7 @@ from firmware.drivers.gnss_epoch import (
 from firmware.drivers.integer_math import along, hypotenuse
 from firmware.drivers.message_fields import days_since_1980
 from firmware.drivers.receiver_state import (
+    ATTITUDE_QUALITY,
     COURSE_SIGMA,
     DAY,
     EAST_SIGMA,
@@ -65,6 +67,9 @@ from firmware.drivers.receiver_state import (
     NANO,
     NAV_PVT,
     NORTH_SIGMA,
+    PASHR,
+    PASHR_HPR,
+    PSAT_HPR,
     PUBX_00,
     RANK,
     REFUSED,
@@ -135,6 +140,32 @@ def from_letters(s, message):
     if message != VTG:
         give(s, FIX_QUALITY, quality)
     return FIX if quality > 0 else NO_FIX
+
+
+@kernel
+def attitude_is_measured(s, message):
+    """Whether an attitude sentence says that its angles are a measurement of the two antennas.
+
+    PASHR: a quality from 1 to 5, or none told; PASHR,HPR: ambiguities fixed (0); PSAT,HPR: N, not the gyro;
+    HPR: fixed (4).
+    """
+    quality = s[ATTITUDE_QUALITY] if s[GOT + ATTITUDE_QUALITY] != 0 else np.int64(-1)
+    if message == PASHR:
+        return quality == -1 or (quality >= 1 and quality <= 5)
+    if message == PSAT_HPR:
+        return s[GOT + STATUS] != 0 and s[STATUS] == ord("N")
+    return quality == (0 if message == PASHR_HPR else 4)
+
+
+@kernel
+def from_attitude(s, message):
+    """An attitude sentence: its angles or nothing; it says nothing about the position."""
+    if message == PASHR and s[GOT + STATUS] != 0 and s[STATUS] != ord("T"):
+        return MALFORMED_MESSAGE
+    if not attitude_is_measured(s, message):
+        for field in range(np.int32(ROLL_SIGMA_E5DEG - HEADING_E5DEG + 1)):
+            s[GOT + HEADING_E5DEG + field] = 0
+    return FIX
 
 
 @kernel
@@ -218,6 +249,8 @@ def interpret(s, message):
         return from_nav_stat(s)
     if message == NAV_PVT:
         return from_pvt(s)
+    if message >= PASHR:
+        return from_attitude(s, message)
     if (BY_LETTERS >> message) & 1 == 1:
         return from_letters(s, message)
     if message == GST and s[GOT + NORTH_SIGMA] != 0 and s[GOT + EAST_SIGMA] != 0:

@@ -52,8 +52,17 @@ PDOP_CENTI = 23
 FIX_TYPE = 24
 """0 not told, 1 none, 2 two-dimensional (the height is held, not measured), 3 three-dimensional."""
 HEADING_E5DEG = 25
-"""True heading of a two-antenna receiver (HDT, THS)."""
-RECORD_SIZE = 26
+"""True heading of a two-antenna receiver (HDT, THS, attitude sentences)."""
+PITCH_E5DEG = 26
+"""Nose up positive."""
+ROLL_E5DEG = 27
+"""Right side down positive."""
+HEADING_SIGMA_E5DEG = 28
+PITCH_SIGMA_E5DEG = 29
+ROLL_SIGMA_E5DEG = 30
+"""One sigma as the receiver claims it, each 0 when it does not (HAS_ATTITUDE_ACCURACY: it claims the
+heading's)."""
+RECORD_SIZE = 31
 
 HAS_TIME = 1
 HAS_DATE = 2
@@ -66,6 +75,9 @@ HAS_VELOCITY = 64
 HAS_ACCURACY = 128
 HAS_HEIGHT_MSL = 256
 HAS_HEADING = 512
+HAS_PITCH = 1024
+HAS_ROLL = 2048
+HAS_ATTITUDE_ACCURACY = 4096
 
 
 def new_epoch() -> NDArray[np.int64]:
@@ -77,7 +89,8 @@ FIELD_NAMES = (
     "flags", "time_of_day_ms", "date_days", "lat_nanodeg", "lon_nanodeg", "height_mm", "height_msl_mm",
     "speed_mmps", "course_e5deg", "vel_n_mmps", "vel_e_mmps", "vel_d_mmps", "fix_quality", "satellites",
     "hdop_centi", "vdop_centi", "h_acc_mm", "v_acc_mm", "s_acc_mmps", "leap_seconds", "burst_start_ns",
-    "burst_end_ns", "valid_ns", "pdop_centi", "fix_type", "heading_e5deg",
+    "burst_end_ns", "valid_ns", "pdop_centi", "fix_type", "heading_e5deg", "pitch_e5deg", "roll_e5deg",
+    "heading_sigma_e5deg", "pitch_sigma_e5deg", "roll_sigma_e5deg",
 )  # fmt: skip
 """In the order of the record, for people and logs."""
 

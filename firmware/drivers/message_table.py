@@ -89,6 +89,31 @@ def _list(first_place: int, count: int) -> tuple[Row, ...]:
     return tuple(_whole(first_place + i, st.LIST + i, 999) for i in range(count))
 
 
+def _heading(place: int) -> Row:
+    return _course(place, ge.HEADING_E5DEG)
+
+
+def _angle(place: int, slot: int, highest_deg: int) -> Row:
+    return _number(place, slot, 5, -highest_deg * 100_000, highest_deg * 100_000)
+
+
+def _angle_sigma(place: int, slot: int) -> Row:
+    return _number(place, slot, 5, 0, 36_000_000)
+
+
+def _heading_pitch_roll(time_place: int) -> tuple[Row, ...]:
+    return (
+        _time(time_place),
+        _heading(time_place + 1),
+        _angle(time_place + 2, ge.PITCH_E5DEG, 90),
+        _angle(time_place + 3, ge.ROLL_E5DEG, 180),
+    )
+
+
+def _quality(place: int) -> Row:
+    return _whole(place, st.ATTITUDE_QUALITY, 99)
+
+
 NAV_PVT_ROWS: Final = (
     _binary(4, U2, st.YEAR, 0xFFFF),
     _binary(6, U1, st.MONTH, 0xFF),
@@ -194,8 +219,26 @@ SENTENCES: Final[dict[int, tuple[str, int, tuple[Row, ...]]]] = {
         (_time(1), _sigma(6, st.NORTH_SIGMA), _sigma(7, st.EAST_SIGMA), _sigma(8, ge.V_ACC_MM)),
     ),
     st.PUBX_00: ("00", 3, PUBX_00_ROWS),
-    st.HDT: ("HDT", 1, (_course(1, ge.HEADING_E5DEG), _letters(2))),
-    st.THS: ("THS", 1, (_course(1, ge.HEADING_E5DEG), _letters(2))),
+    st.HDT: ("HDT", 1, (_heading(1), _letters(2))),
+    st.THS: ("THS", 1, (_heading(1), _letters(2))),
+    st.PASHR: (
+        "SHR",
+        2,
+        (
+            _time(1),
+            _heading(2),
+            _letters(3),
+            _angle(4, ge.ROLL_E5DEG, 180),
+            _angle(5, ge.PITCH_E5DEG, 90),
+            _angle_sigma(7, ge.ROLL_SIGMA_E5DEG),
+            _angle_sigma(8, ge.PITCH_SIGMA_E5DEG),
+            _angle_sigma(9, ge.HEADING_SIGMA_E5DEG),
+            _quality(10),
+        ),
+    ),
+    st.PASHR_HPR: ("RHPR", 2, (*_heading_pitch_roll(2), _quality(8))),
+    st.PSAT_HPR: ("THPR", 2, (*_heading_pitch_roll(2), _letters(6))),
+    st.HPR: ("HPR", 2, (*_heading_pitch_roll(1), _quality(5))),
     # "16D" are default leap seconds, not received ones: the letters, not a number
     st.PUBX_04: ("04", 1, (_letters(6),)),
     st.TXT: ("TXT", 1, ()),
@@ -216,6 +259,9 @@ FLAG_OF: Final = {
     ge.VEL_D_MMPS: ge.HAS_VELOCITY,
     ge.H_ACC_MM: ge.HAS_ACCURACY,
     ge.HEADING_E5DEG: ge.HAS_HEADING,
+    ge.PITCH_E5DEG: ge.HAS_PITCH,
+    ge.ROLL_E5DEG: ge.HAS_ROLL,
+    ge.HEADING_SIGMA_E5DEG: ge.HAS_ATTITUDE_ACCURACY,
 }
 
 

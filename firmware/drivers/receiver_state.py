@@ -36,7 +36,9 @@ SERIES_NUMBER: Final = RECORD_SIZE + 17
 LIST: Final = RECORD_SIZE + 18
 """Numbers of a satellite list, as many as a GSV has behind its third comma."""
 LIST_LENGTH: Final = 16
-SLOTS: Final = LIST + LIST_LENGTH
+ATTITUDE_QUALITY: Final = LIST + LIST_LENGTH
+"""The figure by which an attitude sentence says how good it is; each has its own meaning."""
+SLOTS: Final = LIST + LIST_LENGTH + 1
 GOT: Final = SLOTS
 """One for each slot: 1 when the message at hand gave it."""
 RANK: Final = GOT + SLOTS
@@ -133,10 +135,10 @@ FLAG_OF: Final = WORK + RECORD_SIZE
 MESSAGES: Final = FLAG_OF + RECORD_SIZE
 """For each message: code, first layout row, end of layout rows, rank."""
 MESSAGE_ROW: Final = 4
-MESSAGE_COUNT: Final = 16
+MESSAGE_COUNT: Final = 20
 LAYOUT: Final = MESSAGES + MESSAGE_COUNT * MESSAGE_ROW
 LAYOUT_ROW: Final = 7
-LAYOUT_LIMIT: Final = 160
+LAYOUT_LIMIT: Final = 192
 STATE_SIZE: Final = LAYOUT + LAYOUT_LIMIT * LAYOUT_ROW
 
 # Values of MODE.
@@ -169,4 +171,9 @@ NAV_PVT: Final = 12
 PUBX_04: Final = 13
 NAV_TIMEGPS: Final = 14
 TXT: Final = 15
+PASHR: Final = 16
+"""Heading, roll and pitch with their accuracies."""
+PASHR_HPR: Final = 17
+PSAT_HPR: Final = 18
+HPR: Final = 19
 NONE: Final = -1

@@ -118,7 +118,7 @@ def test_lower_case_checksums_are_read():
 def test_what_was_heard_is_counted():
     line = ReceiverLine(ReceiverStream())
     line.send(GGA + RMC.replace(b"*68", b"*69") + b"$GPGGA,1234$" + b"$" + b"x" * 300 + b"\r\n")
-    line.send(sentence("PASHR,1,2,3") + sentence("GPGRS,092725.00") + b"garbage")
+    line.send(sentence("PGRME,1,2,3") + sentence("GPGRS,092725.00") + b"garbage")
     line.send(sentence("GPTXT,01,01,02,u-blox AG") + ACK + PVT[:-1] + b"\x00" + frame(0x0120, bytes(15)))
     line.silence()
     heard = line.stream.statistics()
