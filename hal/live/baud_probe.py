@@ -15,10 +15,11 @@ from typing import Any
 from serial import SerialException
 
 from hal.live.port import PortError, PortProblem, open_port
+from hal.live.rate_search import RateSearch, beginning_with
 from hal.live.traffic import KNOWN, Recogniser, understood
 
-RATES = (9600, 115_200, 38_400, 460_800, 230_400, 57_600, 19_200, 4800, 921_600)
-"""Most common first."""
+RATES = beginning_with(9600, 115_200, 38_400, 460_800)
+"""Those of receivers, most common first."""
 LISTEN_S = 1.3
 """A receiver that talks once a second is heard in every such time."""
 SURE_BYTES = 60
@@ -86,15 +87,13 @@ def probe_baud(
 ) -> Probe:
     """Listen at each of `rates` until one is sure. Takes up to `listen_s` each. Raises PortError."""
     port = open_port(url, rates[0], timeout_s=POLL_S)
+    search = RateSearch(rates, listen_s, least_bytes=-1)
     heard: list[Heard] = []
     try:
-        for baud in rates:
-            one = _listen(port, baud, recognisers, listen_s)
-            if one is None:
-                continue
-            heard.append(one)
-            if one.is_sure:
-                break
+        while not (search.settled or search.all_tried):
+            one = _listen(port, search, recognisers)
+            if one is not None:
+                heard.append(one)
     except (OSError, SerialException) as error:
         raise PortError(PortProblem.OTHER, f"{url} went away while it was listened to: {error}") from None
     finally:
@@ -103,20 +102,25 @@ def probe_baud(
     return Probe(url, tuple(heard))
 
 
-def _listen(port: Any, baud: int, recognisers: Mapping[str, Recogniser], listen_s: float) -> Heard | None:
-    """None when the port cannot do that rate."""
+def _listen(port: Any, search: RateSearch, recognisers: Mapping[str, Recogniser]) -> Heard | None:
+    """Listen until the rate is sure or in doubt; None when the port cannot do it."""
+    baud = search.baud
     try:
         port.baudrate = baud
     except (ValueError, OSError):
+        search.turn(time.monotonic())
         return None
     port.reset_input_buffer()
+    search.wait_again(time.monotonic())
     data = bytearray()
-    deadline = time.monotonic() + listen_s
-    while time.monotonic() < deadline:
+    while True:
         look_at = time.monotonic() + POLL_S
         while time.monotonic() < look_at:
             data += port.read(max(1, port.in_waiting))
         one = Heard(baud, len(data), *understood(bytes(data), recognisers))
         if one.is_sure:
-            break
-    return Heard(baud, len(data), *understood(bytes(data), recognisers))
+            search.understand(time.monotonic())
+            return one
+        if search.in_doubt(time.monotonic()):
+            search.turn(time.monotonic())
+            return one

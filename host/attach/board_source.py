@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from hal.live.port import PortError, has_rate, is_device
+from hal.live.rate_search import RateSearch, beginning_with
 from hal.live.serial_link import SerialLink
 from host.capture.blocks import UartChunk
 from host.capture.places import capture_path
@@ -18,8 +19,6 @@ from host.capture.reader import CaptureReader
 from host.record.errors import UserError
 
 TICK_S = 0.1
-RATES = (230_400, 115_200, 460_800, 921_600, 57_600, 38_400, 19_200, 9_600)
-"""In the order in which they are tried when what comes at the board's own rate makes no sense."""
 ENOUGH_BYTES = 300
 """So many without a whole frame in so long a time: the rate is wrong."""
 ENOUGH_S = 1.5
@@ -81,15 +80,14 @@ class SerialBoard:
 
     def __init__(self, url: str, baud: int | None, board_baud: int) -> None:
         self.name = url
-        self._search = baud is None and has_rate(url)
-        self._rates = [rate for rate in RATES if rate != board_baud]
+        rates = beginning_with(board_baud) if baud is None else (baud,)
+        is_known = baud is not None or not has_rate(url)
+        self._search = RateSearch(rates, ENOUGH_S, ENOUGH_BYTES - 1, settled=is_known)
         self._arrived: queue.SimpleQueue[Chunk] = queue.SimpleQueue()
         self._begin_ns = time.monotonic_ns()
         self._understood = False
-        self._bytes_at_rate = 0
-        self._rate_since_ns = 0
         self._told_silent = False
-        self._link = SerialLink(url, baud or board_baud, self._arrive)
+        self._link = SerialLink(url, self._search.baud, self._arrive)
         self._link.on_change = self._changed
 
     def chunks(self) -> Iterator[Chunk]:
@@ -100,8 +98,8 @@ class SerialBoard:
             except queue.Empty:
                 chunk = Chunk(self._now_ns())
             yield chunk
-            self._bytes_at_rate += len(chunk.data)
-            note = self._look(chunk.time_ns)
+            self._search.hear(len(chunk.data))
+            note = self._look(chunk.time_ns / 1e9)
             if note:
                 yield Chunk(chunk.time_ns, note=note)
 
@@ -133,27 +131,22 @@ class SerialBoard:
         word = "the port is there again" if there else "the port has vanished; waiting for it"
         self._arrived.put(Chunk(self._now_ns(), note=word))
 
-    def _look(self, now_ns: int) -> str:
+    def _look(self, now_s: float) -> str:
         """Try another rate, or tell what is wrong; empty: nothing to tell."""
-        if self._understood or now_ns - self._rate_since_ns < ENOUGH_S * 1e9:
+        search = self._search
+        if self._understood:
             return ""
-        baud = self._link.baud
-        if self._bytes_at_rate >= ENOUGH_BYTES:
-            told = f"{self._bytes_at_rate} bytes at {baud} baud and not one frame"
-            if self._search:
-                self._rates.append(baud)
-                self._link.set_baud(self._rates.pop(0))
-                told += f"; trying {self._link.baud} baud"
-            else:
-                told += "; is that the board's rate, and its link?"
-        elif self._bytes_at_rate == 0 and not self._told_silent:
+        if search.in_doubt(now_s):
+            told = f"{search.bytes_heard} bytes at {self._link.baud} baud and not one frame"
+            if search.settled:
+                search.wait_again(now_s)
+                return f"{told}; is that the board's rate, and its link?"
+            self._link.set_baud(search.turn(now_s))
+            return f"{told}; trying {self._link.baud} baud"
+        if not search.bytes_heard and not self._told_silent and now_s >= ENOUGH_S:
             self._told_silent = True
-            told = "nothing comes from the port; is the board powered, and its TX wired to our RX?"
-        else:
-            return ""
-        self._rate_since_ns = now_ns
-        self._bytes_at_rate = 0
-        return told
+            return "nothing comes from the port; is the board powered, and its TX wired to our RX?"
+        return ""
 
 
 class CapturedBoard:

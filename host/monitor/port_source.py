@@ -12,12 +12,11 @@ from collections import deque
 from threading import Lock
 
 from hal.live.port import PortError, has_rate
+from hal.live.rate_search import RateSearch, beginning_with
 from hal.live.serial_link import SerialLink
 from host.monitor.view import MonitorView
 from host.record.errors import UserError
 
-RATES = (230_400, 115_200, 9600, 38_400, 460_800, 921_600, 57_600, 19_200, 4800)
-"""In the order in which they are tried: the boards' own, then those of receivers."""
 BUFFER_BYTES = 1 << 20
 PATIENCE_S = 2.5
 """A receiver speaks once a second; so long without a word that is understood, and the rate is doubted."""
@@ -39,16 +38,16 @@ class PortSource:
         self._waiting = 0
         self._lock = Lock()
         self._has_rate = has_rate(url)
-        self._fixed = baud is not None or not self._has_rate
-        self._rate = 0
+        rates = beginning_with() if baud is None else (baud,)
+        is_known = baud is not None or not self._has_rate
+        self._search = RateSearch(rates, PATIENCE_S, DOUBTFUL_BYTES, settled=is_known)
         self._began = time.monotonic()
         try:
-            self._link = SerialLink(url, baud or RATES[0], self._receive)
+            self._link = SerialLink(url, self._search.baud, self._receive)
         except PortError as error:
             raise UserError(str(error)) from None
         self._understood = 0
-        self._understood_at = self._heard_at = 0.0
-        self._bytes_since = 0
+        self._heard_at = 0.0
 
     @property
     def now_s(self) -> float:
@@ -66,7 +65,7 @@ class PortSource:
         view.listener.baud = self._link.baud
         while piece := self._take():
             self._heard_at, data = piece
-            self._bytes_since += len(data)
+            self._search.hear(len(data))
             view.feed(data, self._heard_at)
             if time.monotonic() > deadline:
                 break
@@ -107,19 +106,11 @@ class PortSource:
         understood = view.listener.understood
         if understood != self._understood:
             self._understood = understood
-            self._understood_at = now
-            self._bytes_since = 0
-            self._fixed = True
-        elif not self._fixed and self._is_doubtful(now):
-            self._rate = (self._rate + 1) % len(RATES)
-            self._link.set_baud(RATES[self._rate])
-            self._understood_at = now
-            self._bytes_since = 0
+            self._search.understand(now)
+        elif not self._search.settled and self._search.in_doubt(now):
+            self._link.set_baud(self._search.turn(now))
             view.forget(now)
             self._understood = 0
-
-    def _is_doubtful(self, now: float) -> bool:
-        return now - self._understood_at > PATIENCE_S and self._bytes_since > DOUBTFUL_BYTES
 
     def _tell(self, view: MonitorView) -> None:
         counters, now = self._link.counters, self.now_s
@@ -128,7 +119,7 @@ class PortSource:
             told, style = f"port is gone ({counters.last_problem}), waiting for it", "bold red"
         elif now - self._heard_at > SILENCE_S:
             told, style = f"silent for {now - self._heard_at:.0f} s", "yellow"
-        elif self._is_doubtful(now) or (not self._fixed and self._rate):
+        elif self._search.in_doubt(now) or (not self._search.settled and self._search.turns):
             told, style = self._nothing_understood(), "bold red"
         if counters.losses:
             told += f", came back {counters.reopenings} of {counters.losses} times"
@@ -139,5 +130,5 @@ class PortSource:
     def _nothing_understood(self) -> str:
         if not self._has_rate:
             return "nothing understood: neither our link nor a receiver speaks there"
-        hint = "is --baud right? e.g. 9600 or 115200" if self._fixed else "looking for the rate"
+        hint = "is --baud right? e.g. 9600 or 115200" if self._search.settled else "looking for the rate"
         return f"nothing understood at {self._link.baud} baud, {hint}"
