@@ -12,6 +12,7 @@ from hal.emulated.can_bursts import HeardFrame, HeardSets
 from host.capture.blocks import CAN_HEAD, FULL_CAN_RECORD, SENT_CAN_HEAD, WORTH_ARRAYS
 
 LONGEST_NAME = 255
+KEPT_BLANKS = 16
 
 
 def with_senders(records: bytes, heard: Sequence[HeardFrame]) -> bytes:
@@ -50,10 +51,18 @@ def _dtype(length: int) -> np.dtype[np.void]:
 
 
 def _of_one_sender(records: Any, sender: bytes) -> bytes:
-    told = np.empty(len(records), _dtype(len(sender)))
-    for name in ("end_ns", "identifier", "n", "data"):
+    told = _blank(len(records), sender)
+    for name in ("end_ns", "identifier", "data"):
         told[name] = records[name]
-    told["s"] = len(sender)
-    if sender:
-        told["sender"] = sender
     return told.tobytes()
+
+
+@functools.lru_cache(KEPT_BLANKS)
+def _blank(count: int, sender: bytes) -> Any:
+    """Records in which only length and sender stand; whoever gets them writes all the rest."""
+    blank = np.empty(count, _dtype(len(sender)))
+    blank["n"] = 8
+    blank["s"] = len(sender)
+    if sender:
+        blank["sender"] = sender
+    return blank

@@ -52,7 +52,7 @@ NO_TIME = 1 << 63
 
 
 class McapFile:
-    """One file on a stream that the caller opens and closes."""
+    """One file on an empty stream that the caller opens and closes."""
 
     def __init__(self, stream: BinaryIO, profile: str, library: str) -> None:
         self._stream = stream
@@ -68,7 +68,9 @@ class McapFile:
         self._counts: dict[int, int] = {}
         """Messages by channel."""
         self._file_first_ns, self._file_last_ns = NO_TIME, 0
-        stream.write(MCAP0_MAGIC + _packed(Header(profile, library)))
+        self._at = 0
+        """Bytes of the file so far."""
+        self._write(MCAP0_MAGIC + _packed(Header(profile, library)))
 
     # -- what is in the file once ------------------------------------------------------------------
 
@@ -147,7 +149,7 @@ class McapFile:
             COMPRESSION,
             len(compressed),
         )
-        begin = self._stream.tell()
+        begin = self._at
         length = len(head) + len(compressed)
         pieces, offsets, at = [head, compressed], [], begin + length
         for channel, index in indexes.items():
@@ -158,7 +160,7 @@ class McapFile:
             ]
             at += INDEX_HEAD.size + len(index)
             self._counts[channel] = self._counts.get(channel, 0) + len(index) // INDEX_ENTRY.size
-        self._stream.write(b"".join(pieces))
+        self._write(b"".join(pieces))
         table = b"".join(offsets)
         end = CHUNK_INDEX_END.pack(at - begin - length, len(COMPRESSION), COMPRESSION, len(compressed), size)
         fields = CHUNK_INDEX_HEAD.size - RECORD_HEAD.size + len(table) + len(end)
@@ -176,7 +178,7 @@ class McapFile:
         """Write what is left and the summary; the stream stays open."""
         self.flush()
         self._write(_packed(DataEnd(0)))
-        begin = self._stream.tell()
+        begin = self._at
         groups = (
             (Opcode.SCHEMA, list(map(_packed, self._schemas))),
             (Opcode.CHANNEL, list(map(_packed, self._channels))),
@@ -211,9 +213,10 @@ class McapFile:
 
     def _write(self, data: bytes) -> tuple[int, int]:
         """Where it stands in the file, and its length."""
-        at = self._stream.tell()
+        at, length = self._at, len(data)
         self._stream.write(data)
-        return at, len(data)
+        self._at = at + length
+        return at, length
 
 
 def _packed(record: Any) -> bytes:

@@ -7,7 +7,8 @@ forced onto the disk: a power cut of the PC may lose more.) The file is written 
 when the run is over.
 
 The bytes depend on the run alone: times are virtual, nothing in the file comes from a clock or names a
-version of a library. The index at the end of an MCAP file is collected in memory, packed: about 1 MB for each hour.
+version of a library. The index at the end of an MCAP file is collected in memory, packed: about 1 MB for
+each hour.
 """
 
 from __future__ import annotations
@@ -102,8 +103,9 @@ class CaptureWriter:
         self._schemas: dict[str, int] = {}
         self._blocks: list[tuple[int, bytearray]] = []
         self._tapes: list[tuple[int, list[int]]] = []
-        self._spi: dict[str, tuple[bytearray, list[bytes]]] = {}
-        """Of each chip select the records, and MOSI of the transactions of two bytes: register accesses."""
+        self._spi: dict[str, tuple[bytearray, list[bytes], list[bytes]]] = {}
+        """Of each chip select the block, the records that will be in it, and MOSI of the transactions of two
+        bytes: register accesses."""
         self._shown: list[tuple[int, str, SensorTraffic]] = []
         self._marks = self._raw_channel(MARK_TOPIC, "navtwin.Mark")
         self._row_messages = RowMessages()
@@ -119,21 +121,22 @@ class CaptureWriter:
     def spi_recorder(self, bus: str) -> SpiRecorder:
         """`record(start_ns, end_ns, mosi, miso)` for one SPI bus: the observer of a bus, made for speed."""
         block = self._block(spi_topic(bus), "navtwin.SpiBlock")
+        records: list[bytes] = []
         pairs: list[bytes] = []
-        self._spi[bus] = block, pairs
+        self._spi[bus] = block, records, pairs
+        keep = records.append
         packs: dict[int, Callable[..., bytes]] = {}
 
         def record(start_ns: int, end_ns: int, mosi: Bytes, miso: Bytes) -> None:
-            nonlocal block
             n = len(mosi)
             try:
                 pack = packs[n]
             except KeyError:
                 pack = packs[n] = struct.Struct(f"{SPI_HEAD.format}{n}s{n}s").pack
             try:
-                block += pack(start_ns, end_ns - start_ns, n, mosi, miso)
+                keep(pack(start_ns, end_ns - start_ns, n, mosi, miso))
             except struct.error:  # neither bytes nor bytearray
-                block += pack(start_ns, end_ns - start_ns, n, bytes(mosi), bytes(miso))
+                keep(pack(start_ns, end_ns - start_ns, n, bytes(mosi), bytes(miso)))
             if n == 2:
                 pairs.append(bytes(mosi))
 
@@ -203,7 +206,10 @@ class CaptureWriter:
     def glimpse(self) -> None:
         """Show the last sample of each sensor since the last flush."""
         for channel, bus, traffic in self._shown:
-            row = traffic.glimpse(*self._spi[bus])
+            block, records, pairs = self._spi[bus]
+            block += b"".join(records)
+            records.clear()
+            row = traffic.glimpse(block, pairs)
             if row is not None:
                 t_ns = round(row[0] * 1e9)
                 self._writer.add_message(channel, t_ns, (IMU_TEXT % row).encode())
@@ -234,13 +240,15 @@ class CaptureWriter:
                 t_ns = tape[0] >> 1
                 self._writer.add_message(channel, t_ns, array("q", tape).tobytes())
                 tape.clear()
+        for block, records, pairs in self._spi.values():
+            block += b"".join(records)
+            records.clear()
+            pairs.clear()
         for channel, block in self._blocks:
             if block:
                 (t_ns,) = FIRST_TIME.unpack_from(block)
                 self._writer.add_message(channel, t_ns, block)
                 block.clear()
-        for _block, pairs in self._spi.values():
-            pairs.clear()
         if now_ns is not None:
             self._writer.add_message(self._marks, now_ns, MARK.pack(now_ns))
         self._writer.flush()
