@@ -11,6 +11,7 @@ import typer
 
 from host.cli.allan_command import allan_command
 from host.cli.attach_command import app as attach_app
+from host.cli.attitude_command import attitude_command
 from host.cli.baseline_command import app as baseline_app
 from host.cli.campaign_command import Baseline, Tolerance, campaign_command
 from host.cli.capture_command import app as capture_app
@@ -186,6 +187,7 @@ app.command("simulate")(simulate_command)
 app.command("inverse")(inverse_command)
 app.command("allan")(allan_command)
 app.command("evaluate")(evaluate_command)
+app.command("attitude")(attitude_command)
 
 
 def main() -> None:

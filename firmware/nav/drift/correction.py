@@ -45,10 +45,15 @@ def correct(s, i, d, k):
         return k[at.FLAGS]
     bridged = i[loop.NOTICED] & noticed.BRIDGED != 0
     o = loop.OMEGA + loop.NEWEST
-    x, y, z = s[o], s[o + 1], s[o + 2]
+    mx, my, mz = s[o], s[o + 1], s[o + 2]
     if bridged:
-        x, y, z = NAN, NAN, NAN
-    x, y, z = take_rate(d, k, dt, is_gap(k), x, y, z)
+        x, y, z = take_rate(d, k, dt, is_gap(k), NAN, NAN, NAN)
+    else:
+        x, y, z = take_rate(d, k, dt, is_gap(k), mx, my, mz)
+        # The loop turned by what the sensor told, this filter by no more than its range.
+        x = x + (d[at.RATE] - mx) * dt
+        y = y + (d[at.RATE + 1] - my) * dt
+        z = z + (d[at.RATE + 2] - mz) * dt
     tx, ty, tz = _turned(s, d)
     dx = tx - (d[at.RATE] - s[loop.GYRO_BIAS]) * dt
     dy = ty - (d[at.RATE + 1] - s[loop.GYRO_BIAS + 1]) * dt

@@ -14,15 +14,15 @@ norm and dip tells what it does to the heading, of which it turns more the steep
 
 The variance of a measurement, r/dt, grows by 1 + σ_e²/σ_0² with σ_0 = 2.5°.
 
-The gain is that of a Kalman filter of the heading alone. Its variance P grows with what may turn the heading:
-a drift rate of variance σ² that keeps its sign for about T adds 2 σ² T a second, T = r/P being the filter's own
-time constant,
+The gain is that of a Kalman filter of the heading alone. Its variance P grows with what may turn the
+heading: a drift rate of variance σ² that keeps its sign for about T adds 2 σ² T a second, T = r/P being the
+filter's own time constant,
 
     P ← P + (q + 2 σ² T) dt,     K = P / (P + r/(w dt)),     P ← (1 − K) P,      w = 1/(1 + σ_e²/σ_0²)
 
-σ is what the bias filter says of the vertical axis, and 0.5 % of the mean rate about it, as gyros' scales are
-wrong. r = 58 (°)² s, so that T is the published 9 s for a bias known to 0.2 °/s, and q so that it is never more
-than 25 s; it is never less than 5 s, that of a bias known to 0.5 °/s, as at the beginning.
+σ is what the bias filter says of the vertical axis, and 0.5 % of the mean rate about it, as gyros' scales
+are wrong. r = 58 (°)² s, so that T is the published 9 s for a bias known to 0.2 °/s, and q so that it is
+never more than 25 s; it is never less than 5 s, that of a bias known to 0.5 °/s, as at the beginning.
 
 The first headings are averaged; as long as levelling is being averaged itself, over the last 0.3 s only.
 """
@@ -62,6 +62,8 @@ DENSITY = np.float32(58.0 * (3.141592653589793 / 180.0) ** 2)
 DRIFT_DENSITY = np.float32(58.0 * (3.141592653589793 / 180.0) ** 2 / 625.0)
 SMALLEST_VARIANCE = DENSITY / LONGEST_TIME
 LARGEST_VARIANCE = DENSITY / SHORTEST_TIME
+LOST_VARIANCE = np.float32((10.0 * 3.141592653589793 / 180.0) ** 2)
+"""A heading so uncertain takes any field; its dip may be wrong for want of levelling."""
 UNLEVELLED_AGE = np.float32(0.3)
 """As long as levelling is being averaged, headings are as wrong as it is, and are not worth keeping."""
 RATE_SHARE = np.float32(0.005)
@@ -95,7 +97,7 @@ def take_field(d, k, dt, mx, my, mz, drift_variance):
     information = dt * _trust(d, k, dt, norm, dip) * d[at.HEADING_VARIANCE]
     gain = information / (information + DENSITY)
     d[at.HEADING_VARIANCE] = d[at.HEADING_VARIANCE] * (ONE - gain)
-    if d[at.FORCE_AGE] < FORCE_TAU:
+    if d[at.FORCE_AGE] < FORCE_TAU and d[at.HEADING_AGE] < SHORTEST_TIME:
         d[at.HEADING_AGE] = min(d[at.HEADING_AGE], UNLEVELLED_AGE)
     averaging = grown(d, at.HEADING_AGE, dt, SHORTEST_TIME)
     if averaging > ZERO:
@@ -159,14 +161,17 @@ def _uncertain(d, dt, drift_variance):
     rate = RATE_SHARE * d[at.MOTION + 8 + at.MOTION_CHANNELS]
     variance = drift_variance + rate * rate
     time = min(DENSITY / d[at.HEADING_VARIANCE], LONGEST_TIME)
-    grown_to = d[at.HEADING_VARIANCE] + (DRIFT_DENSITY + TWO * variance * time) * dt
-    d[at.HEADING_VARIANCE] = min(max(grown_to, SMALLEST_VARIANCE), LARGEST_VARIANCE)
+    now = d[at.HEADING_VARIANCE]
+    later = now + (DRIFT_DENSITY + TWO * variance * time) * dt
+    d[at.HEADING_VARIANCE] = min(max(later, SMALLEST_VARIANCE), max(now, LARGEST_VARIANCE))
 
 
 @kernel
 def _trust(d, k, dt, norm, dip):
     """Share of the gain that the field deserves."""
     if k[at.FLAGS] & at.FIELD_DISTURBED:
+        if d[at.HEADING_VARIANCE] > LOST_VARIANCE:
+            return HALF
         if d[at.REJECTED_TIME] <= LONGEST_REJECTION:
             d[at.REJECTED_TIME] = d[at.REJECTED_TIME] + dt
             return ZERO

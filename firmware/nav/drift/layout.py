@@ -64,29 +64,27 @@ CLIPPED_TIME: Final = 91
 ENTRY_SLOPE: Final = 94
 ENTRY_RATE: Final = 97
 """Last rate before saturation."""
-CLIPPED_RATE: Final = 100
-"""Sum of rate · dt while saturated, rad."""
-MISSING_TIME: Final = 103
+MISSING_TIME: Final = 100
 """s without a usable rate."""
-BIAS_PAUSE: Final = 104
+BIAS_PAUSE: Final = 101
 """s for which motion tells nothing about the bias, after an angle was lost."""
 
 # --- d: coefficients of the present sample interval ---
-DT: Final = 105
-USUAL_DT: Final = 106
-FORCE_GAIN: Final = 107
+DT: Final = 102
+USUAL_DT: Final = 103
+FORCE_GAIN: Final = 104
 """Two numbers of `smoothing.coefficients`; so for the next two."""
-REST_GAIN: Final = 109
-FIELD_GAIN: Final = 111
+REST_GAIN: Final = 106
+FIELD_GAIN: Final = 108
 
 # --- d: settings ---
-RATE_LIMIT: Final = 113
+RATE_LIMIT: Final = 110
 """Rates of this magnitude are saturated, rad/s; 0: never."""
-DECLINATION: Final = 114
+DECLINATION: Final = 111
 """rad, east positive."""
-GYRO_DELAY: Final = 115
+GYRO_DELAY: Final = 112
 """s by which rates are older than the time they are told for."""
-D_SIZE: Final = 116
+D_SIZE: Final = 113
 
 # --- k ---
 FLAGS: Final = 0

@@ -1,32 +1,42 @@
-"""What becomes of the averages when an angle was lost: gyros saturated, samples missing.
+"""What becomes of levelling and heading when an angle was lost: gyros saturated, samples missing.
 
-Means of the past hold for the attitude as it was. With an attitude now uncertain by σ they are worth as much
-as a mean over T₀ = T_c (σ_m/σ)², where one measurement scatters by σ_m and is independent of another after
-T_c: of force 0.2 rad (hands move at 2 m/s²) and 0.3 s, of the magnetic field 0.05 rad and 0.3 s.
+The mean of the force over a time T levels with a standard deviation of v/(g T), v being by how much the
+velocity changes: 1 m/s for hands, which move to and fro. With the attitude now uncertain by σ more, what
+was averaged is worth as much as a mean over a shorter time T':
+
+    1/T'² = 1/T² + σ² (g/v)²
+
+The variance of the heading grows by σ². Motion tells nothing about the bias for a while.
 """
+
+import math
 
 import numpy as np
 
 from firmware.nav.drift import layout as at
 from firmware.numerics.dialect import kernel
 
-ZERO = np.float32(0.0)
-SMALLEST = np.float32(0.01)
-"""rad: less is not worth starting again."""
+ONE = np.float32(1.0)
+SMALLEST = np.float32(0.002)
+"""rad: less is nothing."""
 SHORTEST = np.float32(0.01)
-FORCE_WORTH = np.float32(0.012)
-FIELD_WORTH = np.float32(0.00075)
-"""T_c σ_m², rad² s."""
+"""s."""
+GRAVITY_PER_SPEED_SQUARE = np.float32(9.80665**2)
+LARGEST_VARIANCE = np.float32(1.0)
 PAUSE = np.float32(6.0)
+PAUSE_AFTER = np.float32(0.02)
 
 
 @kernel
 def lose(d, k, sigma):
-    """The attitude has become uncertain by sigma, rad."""
+    """The attitude has become uncertain by sigma more, rad."""
     if not sigma > SMALLEST:
         return
     square = sigma * sigma
-    d[at.FORCE_AGE] = min(d[at.FORCE_AGE], max(FORCE_WORTH / square, SHORTEST))
-    d[at.HEADING_AGE] = min(d[at.HEADING_AGE], max(FIELD_WORTH / square, SHORTEST))
-    d[at.BIAS_PAUSE] = PAUSE
+    age = d[at.FORCE_AGE]
+    younger = age / np.float32(math.sqrt(ONE + age * age * square * GRAVITY_PER_SPEED_SQUARE))
+    d[at.FORCE_AGE] = max(younger, SHORTEST)
+    d[at.HEADING_VARIANCE] = min(d[at.HEADING_VARIANCE] + square, LARGEST_VARIANCE)
+    if sigma > PAUSE_AFTER:
+        d[at.BIAS_PAUSE] = PAUSE
     k[at.LOSSES] += 1

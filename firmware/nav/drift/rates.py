@@ -46,7 +46,7 @@ def unknown_turn(x, y, z, t):
 
 @kernel
 def take_rate(d, k, dt, gap, x, y, z):
-    """Take a measured rate as RATE, or hold the last one when it is none.
+    """Take a measured rate as RATE, at most at the end of the range, or hold the last one when it is none.
 
     Returns what has to be turned (rad, body axes) besides RATE · dt to make up for what was missed.
     """
@@ -75,10 +75,17 @@ def take_rate(d, k, dt, gap, x, y, z):
     extra_x = extra_x + _bridged(d, k, 0, dt, x)
     extra_y = extra_y + _bridged(d, k, 1, dt, y)
     extra_z = extra_z + _bridged(d, k, 2, dt, z)
-    d[at.RATE] = x
-    d[at.RATE + 1] = y
-    d[at.RATE + 2] = z
+    d[at.RATE] = _within_range(d, x)
+    d[at.RATE + 1] = _within_range(d, y)
+    d[at.RATE + 2] = _within_range(d, z)
     return extra_x, extra_y, extra_z
+
+
+@kernel
+def _within_range(d, rate):
+    """What a part tells beyond its range is not specified: the end of the range instead."""
+    limit = d[at.RATE_LIMIT]
+    return rate if limit == ZERO else min(max(rate, -limit), limit)
 
 
 @kernel

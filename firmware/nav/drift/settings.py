@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from firmware.nav.drift import bias, heading
 from firmware.nav.drift import layout as at
 
-SATURATED_SHARE = 0.999
+SATURATED_SHARE = 0.998
 """Rates of this share of the range are taken for its end."""
 
 
