@@ -63,6 +63,8 @@ ROLL_SIGMA_E5DEG = 30
 """One sigma as the receiver claims it, each 0 when it does not (HAS_ATTITUDE_ACCURACY: it claims the
 heading's)."""
 RECORD_SIZE = 31
+ONE_ANTENNA_SIZE = 26
+"""What a receiver with one antenna can tell stands before this."""
 
 HAS_TIME = 1
 HAS_DATE = 2

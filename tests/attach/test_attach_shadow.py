@@ -17,7 +17,7 @@ from host.attach.shadow import Phase
 from host.link.messages import Solution
 
 SLICES = 77
-"""Of a copy of the memory: 3516 float32, 517 int64 and an epoch of 26, in parts of 240 bytes."""
+"""Of a copy of the memory: 3516 float32, 517 int64 and an epoch of 31, in parts of 240 bytes."""
 
 
 @pytest.mark.parametrize("profile", ["full-rate", "thesis"])

@@ -70,7 +70,8 @@ class RawLoop:
 
     def _take_epoch(self, pulse: tuple[int, int], record: tuple[int, ...]) -> None:
         """Date the epoch as the port does, then let the filter have it."""
-        epoch = np.array(record, np.int64)
+        epoch = gnss.new_epoch()
+        epoch[: len(record)] = record
         time = self._gnss.time
         time.take_pulse(*pulse)
         valid_ns, _ = time.validity(record[gnss.TIME_OF_DAY_MS], record[gnss.BURST_START_NS])

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from firmware.apps.car_mems.navigation import Navigation, NavigationKernels
 from firmware.apps.car_mems.settings import Settings
+from firmware.drivers.gnss_epoch import ONE_ANTENNA_SIZE
 from firmware.link import raw_frames as raw
 from firmware.link.crc import crc16
 from firmware.nav.config import NavConfig
@@ -111,7 +112,7 @@ class ToldNavigation(Navigation):
     def take_epoch(self, epoch: NDArray[np.int64], pulse: tuple[int, int]) -> None:
         """An epoch into the filter, and its frame."""
         self._look()
-        record = epoch.tolist()
+        record = epoch[:ONE_ANTENNA_SIZE].tolist()
         super().take_epoch(epoch, pulse)
         self._put(raw.RAW_EPOCH, *pulse, *record)
         self._io.cpu.spend(self._cost)
