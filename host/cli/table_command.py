@@ -96,6 +96,27 @@ def drift_command(
     guarded(command, NOTHING_KEPT)
 
 
+@app.command("cycles")
+def cycles_command(
+    arithmetic: Annotated[
+        str, typer.Option("--arithmetic", "-a", metavar="NAMES", help="float32, fixed; with commas.")
+    ] = "float32,fixed",
+    updates: Annotated[
+        bool, typer.Option("--updates", help="Also what an iteration costs with each update of the attitude.")
+    ] = False,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Estimate the cycles of each kernel on the modelled processor, beside the document's 0.35 ms."""
+
+    def command() -> int:
+        from host.cli.table_cycles_run import show_cycles
+
+        return show_cycles(arithmetic, updates, json, quiet)
+
+    guarded(command, NOTHING_KEPT)
+
+
 @app.command("coning")
 def coning_command(
     half_angle: Annotated[float, typer.Option("--half-angle", metavar="DEG")] = 1.0,

@@ -80,7 +80,7 @@ class Difference:
     @property
     def rms(self) -> dict[str, float]:
         """Of everything so far."""
-        return dict(zip(QUANTITIES, self._rms(), strict=True))
+        return dict(zip(QUANTITIES, self._rms().tolist(), strict=True))
 
     @property
     def at_end(self) -> dict[str, float]:

@@ -13,6 +13,7 @@ from firmware.apps.uav_ahrs.steps import READY
 from firmware.nav.attitude import layout as at
 from firmware.nav.attitude.config import AttitudeConfig
 from firmware.nav.attitude.flags import SATURATION_NAMES
+from firmware.numerics.dialect import entries_named
 from host.compare.word_stream import Bursts
 
 Integers = NDArray[np.int64]
@@ -25,6 +26,12 @@ class Solutions:
     made: NDArray[np.bool_]
     records: Integers
     """(bursts, OUT_SIZE), see `firmware.nav.attitude.layout`."""
+
+
+def compensates(arithmetic: str) -> bool:
+    """Whether the board's drift compensation exists in this arithmetic."""
+    with entries_named():
+        return AttitudeKernels(arithmetic).correct is not None
 
 
 class Lane:

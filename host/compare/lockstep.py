@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from firmware.nav.attitude.config import AttitudeConfig
 from host.compare.difference import Difference
-from host.compare.lanes import Lane
+from host.compare.lanes import Lane, compensates
 from host.compare.word_stream import Bursts
 from host.record.errors import UserError
 
@@ -27,6 +27,8 @@ class Comparison:
     """Of each other arithmetic."""
     saturations: dict[str, dict[str, int]]
     iterations: dict[str, int]
+    compensated: bool
+    """Whether the board's drift compensation was on."""
     bursts: int
     begin_s: float
     end_s: float
@@ -38,7 +40,7 @@ class Comparison:
         if self.reference != REFERENCE:
             return None
         found = [one.rms["attitude"] for one in self.differences if one.arithmetic == "fixed"]
-        return found[0] <= GOAL_DEG if found else None
+        return bool(found[0] <= GOAL_DEG) if found else None
 
 
 def reference_of(arithmetics: Sequence[str]) -> str:
@@ -52,8 +54,13 @@ def compare(
     stream: Iterable[Bursts],
     progress: Callable[[float], None] | None = None,
 ) -> Comparison:
-    """Every arithmetic gets every burst. Raises UserError when nothing came of them."""
+    """Every arithmetic gets every burst. Raises UserError when nothing came of them.
+
+    The drift is compensated when `config` says so and all of them can.
+    """
     reference = reference_of(arithmetics)
+    compensated = config.drift_compensation and all(map(compensates, arithmetics))
+    config = replace(config, drift_compensation=compensated)
     lanes = {name: Lane(name, config) for name in arithmetics}
     others = [Difference(name, reference) for name in arithmetics if name != reference]
     bursts, begin_s, end_s = 0, 0.0, 0.0
@@ -78,4 +85,4 @@ def compare(
             )
     saturations = {name: lane.saturations() for name, lane in lanes.items()}
     iterations = {name: lane.iterations for name, lane in lanes.items()}
-    return Comparison(reference, tuple(others), saturations, iterations, bursts, begin_s, end_s)
+    return Comparison(reference, tuple(others), saturations, iterations, compensated, bursts, begin_s, end_s)

@@ -42,6 +42,7 @@ def _whole(comparison: Comparison) -> Section:
     note = (
         f"Over {count(comparison.differences[0].count)} iterations from the same {count(comparison.bursts)}"
         f" bursts in {number(comparison.end_s - comparison.begin_s)} s: what is owed to the arithmetic alone."
+        f" Drift compensation {'on' if comparison.compensated else 'off'}."
     )
     apart = sum(one.only_one for one in comparison.differences)
     if apart:
@@ -105,6 +106,7 @@ def to_dict(comparison: Comparison) -> dict[str, Any]:
         "bursts": comparison.bursts,
         "begin_s": comparison.begin_s,
         "end_s": comparison.end_s,
+        "drift_compensation": comparison.compensated,
         "goal_deg": GOAL_DEG,
         "met": comparison.met,
         "iterations": comparison.iterations,

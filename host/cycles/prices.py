@@ -119,8 +119,10 @@ def _call(action: str) -> Price:
     called = match[1].strip('"') if match else ""
     if called.startswith(NOTHING_CALLED):
         return Price(INTEGER, 0)
-    if called.startswith("llvm.sqrt"):
-        return Price(DIVISION, FLOAT_ROOT) if called.endswith("f32") else Price(DOUBLE, SOFT_DOUBLE)
+    if called in ("sqrtf", "llvm.sqrt.f32"):
+        return Price(DIVISION, FLOAT_ROOT)
+    if called in ("sqrt", "llvm.sqrt.f64"):
+        return Price(DOUBLE, SOFT_DOUBLE)
     if called.startswith(("llvm.fabs", "llvm.copysign", "llvm.minnum", "llvm.maxnum")):
         return Price(FLOAT, 2) if called.endswith("f32") else Price(DOUBLE, SOFT_DOUBLE)
     for name, operations in INTRINSICS.items():

@@ -28,7 +28,7 @@ def section(drifts: Sequence[StopDrift]) -> Section:
     columns = ("", "arithmetic", "compensation", "pitch, °", "roll, °", "yaw, °")
     note = (
         f"Largest error within {known.after_s:g} s behind a fast turn to yaw {known.yaw_deg:+g}°: RMS and"
-        f" worst of {counted(len(drifts[0].seeds), 'seed')}. With compensation each must stay below the document."
+        f" worst of {counted(len(drifts[0].seeds), 'seed')}. With compensation each must stay below that."
     )
     return Section(TITLE, (*columns, "worst pitch, °", "roll, °", "yaw, °", "verdict"), tuple(rows), 3, note)
 
