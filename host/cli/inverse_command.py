@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from host.cli.exit_codes import guarded
+from host.cli.exit_codes import guarded, whole_number
 from host.cli.simulate_command import NOTHING_KEPT
 
 
@@ -41,21 +41,36 @@ def inverse_command(
     max_gap: Annotated[
         str, typer.Option("--max-gap", metavar="S", help="Points further apart are an error.")
     ] = "30",
+    gnss_rate: Annotated[
+        str, typer.Option("--gnss-rate", metavar="HZ", help="Of a receiver along the way; 0: none.")
+    ] = "0",
+    preset: Annotated[
+        str, typer.Option("--preset", "-p", metavar="NAME", help="Errors of the inertial sensor.")
+    ] = "perfect",
+    changes: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set", metavar="KEY=VALUE", help="Errors: imu.…, gnss.…, outage=[…], as in scenarios."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", parser=whole_number, metavar="N")] = 1,
     json: Annotated[
         str | None, typer.Option("--json", metavar="FILE|-", help="Figures as JSON; - is standard output.")
     ] = None,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")] = False,
 ) -> None:
-    """Find what error-free inertial sensors measure along a trajectory, with the matching reference.
+    """Find what inertial sensors measure along a trajectory, with the matching reference.
 
+    Without errors, or with those of a --preset and of --set; with --gnss-rate a receiver too.
     Points of a receiver are smoothed into motion that a vehicle can make; attitude comes from the motion
     where the file has none. Tells how well a forward mechanization of the result closes.
     """
 
     def command() -> int:
-        from host.cli.inverse_run import Asked, execute
+        from host.cli.inverse_run import Asked, Errors, execute
 
-        asked = Asked(trajectory, output, form, rate, samples, smooth, bank, speed, max_gap)
+        errors = Errors(preset, tuple(changes or ()), seed, gnss_rate)
+        asked = Asked(trajectory, output, form, rate, samples, smooth, bank, speed, max_gap, errors)
         return execute(asked, json, quiet)
 
     guarded(command, NOTHING_KEPT)

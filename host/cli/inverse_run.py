@@ -5,9 +5,11 @@ from __future__ import annotations
 import json
 import math
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from boards.hints import did_you_mean
 from host.cli.exit_codes import EXIT_MET
 from host.cli.output_files import check_files
 from host.cli.simulate_run import SLOWEST_HZ, convention_of, rate_of
@@ -15,7 +17,11 @@ from host.cli.terminal import progress_bar, standard_error, standard_output
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 from host.report.numbers import number
-from host.sim.scenario.schema import Start
+from host.sim.errors.presets import preset_names
+from host.sim.scenario.load import scenario_from
+from host.sim.scenario.overrides import apply_overrides
+from host.sim.scenario.schema import Scenario, Start
+from host.sim.seeding import LARGEST_SEED
 from host.simulate.extras import must_have
 from host.simulate.formats.known import chosen
 from host.simulate.stream import Convention
@@ -31,6 +37,35 @@ LARGEST_SIGMA_M = 1000.0
 LONGEST_GAP_S = 1e6
 FASTEST_MPS = 3000.0
 STRONGEST_MPS2 = 20_000.0
+ERROR_TABLES = ("imu", "gnss", "outage")
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Those words that are about sensors."""
+
+    preset: str
+    changes: tuple[str, ...]
+    seed: int
+    gnss_rate: str
+
+    def scenario(self) -> Scenario:
+        """What they say, as a scenario says it. Raises UserError, ScenarioError."""
+        if self.preset not in preset_names():
+            raise UserError(
+                f"--preset {self.preset}: no such preset; {did_you_mean(self.preset, preset_names())}"
+            )
+        for change in self.changes:
+            if change.partition("=")[0].strip().partition(".")[0] not in ERROR_TABLES:
+                raise UserError(
+                    f"--set {change}: not about a sensor's errors; here {', '.join(ERROR_TABLES)} can be set,"
+                    " for example --set gnss.position_white_m=0.02"
+                )
+        if not 0 <= self.seed <= LARGEST_SEED:
+            raise UserError(f"--seed {self.seed}: must lie in 0 … {LARGEST_SEED}; for example --seed 1")
+        data = {"place": {"latitude_deg": 0.0, "longitude_deg": 0.0}, "duration_s": 1.0}
+        whole = apply_overrides({**data, "imu": {"preset": self.preset}}, self.changes)
+        return scenario_from(whole, "errors", "--set")
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +81,7 @@ class Asked:
     bank: bool
     speed: str | None
     max_gap: str
+    errors: Errors
 
 
 def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
@@ -61,16 +97,20 @@ def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
     rate = rate_of("--rate", asked.rate, SLOWEST_HZ)
     gap = _number("--max-gap", asked.max_gap, LONGEST_GAP_S, "30")
     speed = None if asked.speed is None else _number("--speed", asked.speed, FASTEST_MPS, "10")
+    scenario = asked.errors.scenario()
+    gnss_rate = rate_of("--gnss-rate", asked.errors.gnss_rate, least=Fraction(0))
     check_files(("-o", asked.output), ("--json", json_file))
     must_have("scipy", "navtwin inverse")
     from host.simulate.flyable import Flyable
     from host.simulate.inverse import Inverse, invert_track
+    from host.simulate.sensors import TrackSensors
 
     track = read_track(asked.trajectory, gap, speed)
     sigma = _sigma(asked, track)
     motion = Flyable(track, sigma, asked.bank)
     start_ns = track.start_gps_ns if track.start_gps_ns is not None else Start().gps_time_ns
-    inverse = Inverse(motion, rate, convention, start_ns)
+    sensors = TrackSensors(scenario, asked.errors.seed, motion, start_ns)
+    inverse = Inverse(motion, rate, convention, start_ns, sensors, gnss_rate)
     if inverse.samples < 2:
         raise UserError(
             f"{asked.trajectory}: lasts {motion.end_s:g} s, less than two intervals at --rate {asked.rate}"
@@ -110,6 +150,11 @@ def _about(asked: Asked, track: Track, sigma: float, inverse: Inverse) -> dict[s
         "attitude_from": "motion" if track.attitude is None else "file",
         "samples_are": str(inverse.convention),
         "rate_hz": float(inverse.rate_hz),
+        "preset": asked.errors.preset,
+        "overrides": list(asked.errors.changes),
+        "seed": asked.errors.seed,
+        "gnss_rate_hz": float(inverse.gnss_rate_hz),
+        "gnss_epochs": inverse.epochs,
         "samples": inverse.samples,
         "duration_s": inverse.duration_ns / 1e9,
         "points_rms_m": float(math.sqrt((offsets**2).mean())),

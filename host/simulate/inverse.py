@@ -32,17 +32,19 @@ from host.sim.mechanization import (
     invert,
 )
 from host.sim.trajectory.kinematics import C_NB, FORCE, OMEGA_IB, ROW
+from host.simulate.epochs import EpochFeed
 from host.simulate.flyable import Flyable
 from host.simulate.formats.known import Format
 from host.simulate.instants import NS, count_within, instants
 from host.simulate.part_files import PartFiles
+from host.simulate.rows import gnss_rows
+from host.simulate.sensors import TrackSensors
 from host.simulate.source import SideTable
 from host.simulate.stream import BLOCK, Block, Convention
 
 Floats = NDArray[np.float64]
 Progress = Callable[[float, float], None]
 
-ROOM_C = 25.0
 EARTH_RADIUS = 6.371e6
 
 
@@ -54,8 +56,15 @@ class Inverse:
     rate_hz: Fraction
     convention: Convention
     start_gps_ns: int
-    epochs: int = 0
+    sensors: TrackSensors
+    gnss_rate_hz: Fraction = Fraction(0)
+    """0: no receiver."""
     side_tables: tuple[SideTable, ...] = ()
+
+    @property
+    def epochs(self) -> int:
+        """How many of the receiver."""
+        return count_within(self.gnss_rate_hz, self.duration_ns) + 1 if self.gnss_rate_hz else 0
 
     @property
     def duration_ns(self) -> int:
@@ -107,12 +116,13 @@ class Inverse:
         rows[:, LATITUDE : HEIGHT + 1] = states[:, LATITUDE : HEIGHT + 1]
         rows[:, VELOCITY:QUATERNION] = states[:, VELOCITY:QUATERNION]
         rows[:, C_NB:OMEGA_IB] = matrices(states[:, QUATERNION:TURNED])
-        signals = increments
-        if self.convention is not Convention.INCREMENT:
-            signals = increments / lengths[:, None]
-        rows[:, OMEGA_IB:FORCE], rows[:, FORCE : FORCE + 3] = signals[:, :3], signals[:, 3:]
-        warmth = np.full((len(times_ns), 1), ROOM_C)
-        return Block(times_ns, np.hstack((signals[:, 3:], signals[:, :3], warmth)), rows)
+        means = increments / lengths[:, None]
+        rows[:, OMEGA_IB:FORCE], rows[:, FORCE : FORCE + 3] = means[:, :3], means[:, 3:]
+        felt = self.sensors.felt(times_ns, rows, self.rate_hz)
+        if self.convention is Convention.INCREMENT:
+            felt[:, :6] *= lengths[:, None]
+            rows[:, OMEGA_IB:FORCE], rows[:, FORCE : FORCE + 3] = increments[:, :3], increments[:, 3:]
+        return Block(times_ns, felt, rows)
 
 
 @dataclass
@@ -172,14 +182,18 @@ def invert_track(
     fastest = strongest = 0.0
     with PartFiles() as files:
         writer = None if path is None or form is None else form.writer(inverse, path, files, about)
+        epochs = EpochFeed(inverse.sensors.epochs(inverse.gnss_rate_hz, inverse.duration_ns))
         for block in inverse.blocks(closure):
             speeds = np.linalg.norm(block.truth[:, VELOCITY:QUATERNION], axis=1)
-            forces = np.linalg.norm(block.felt[:, :3], axis=1)
+            forces = np.linalg.norm(block.truth[:, FORCE : FORCE + 3], axis=1)
             if inverse.convention is Convention.INCREMENT:
                 forces = forces * float(inverse.rate_hz)
             fastest, strongest = max(fastest, float(speeds.max())), max(strongest, float(forces.max()))
             if writer is not None:
                 writer.add_block(block)
+                due = epochs.until(int(block.times_ns[-1]))
+                if due:
+                    writer.add_gnss(gnss_rows(due))
             if progress is not None:
                 progress(float(block.times_ns[-1]) / NS, inverse.duration_ns / NS)
         if writer is not None:

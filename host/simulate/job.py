@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from boards.chips.world import GnssEpoch
 from host.simulate.baseline_rows import BASELINE_NAME
+from host.simulate.epochs import Epoch, EpochFeed
 from host.simulate.formats.known import Format
 from host.simulate.formats.writer import Writer
 from host.simulate.part_files import PartFiles
@@ -45,14 +45,13 @@ def simulate(
         writer = None
         if path is not None and form is not None:
             writer = form.writer(drive, path, files, about)
-        epochs = drive.receiver_epochs()
-        waiting = next(epochs, None)
+        epochs = EpochFeed(drive.receiver_epochs())
         samples = 0
         told_ns = -1
         for block in drive.blocks():
             samples += len(block.times_ns)
             end_ns = int(block.times_ns[-1])
-            due, waiting = _until(end_ns, waiting, epochs)
+            due = epochs.until(end_ns)
             if writer is not None:
                 writer.add_block(block)
                 _add_epochs(drive, writer, due)
@@ -60,7 +59,7 @@ def simulate(
             told_ns = end_ns
             if progress is not None:
                 progress(end_ns / NS, drive.duration_ns / NS)
-        rest, _ = _until(drive.duration_ns, waiting, epochs)
+        rest = epochs.until(drive.duration_ns)
         if writer is not None:
             _add_epochs(drive, writer, rest)
             _add_ambients(drive, writer, told_ns, drive.duration_ns)
@@ -69,7 +68,7 @@ def simulate(
     return Simulated(samples, drive.epochs, drive.duration_ns / NS, wall_s, tuple(files.paths))
 
 
-def _add_epochs(drive: Drive, writer: Writer, epochs: list[tuple[int, GnssEpoch]]) -> None:
+def _add_epochs(drive: Drive, writer: Writer, epochs: list[Epoch]) -> None:
     if not epochs:
         return
     writer.add_gnss(gnss_rows(epochs))
@@ -82,14 +81,3 @@ def _add_ambients(drive: Drive, writer: Writer, after_ns: int, end_ns: int) -> N
         rows = drive.ambient_rows(ambient, after_ns, end_ns)
         if len(rows):
             writer.add_side(ambient.sensor.name, rows)
-
-
-def _until(
-    end_ns: int, waiting: tuple[int, GnssEpoch] | None, epochs: Iterator[tuple[int, GnssEpoch]]
-) -> tuple[list[tuple[int, GnssEpoch]], tuple[int, GnssEpoch] | None]:
-    """The epochs up to an instant, and the first one after it."""
-    due = []
-    while waiting is not None and waiting[0] <= end_ns:
-        due.append(waiting)
-        waiting = next(epochs, None)
-    return due, waiting

@@ -39,14 +39,17 @@ class InertialSensor:
 
     def __init__(
         self,
-        motion: Motion,
+        motion: Motion | None,
         specimen: Specimen,
         seed: int,
         component: str,
         mounting: Array,
         lever_arm: Array,
     ) -> None:
-        """`mounting` = C_b_s (3, 3): body = C_b_s sensor; `lever_arm` (3,) from the origin, body axes, m."""
+        """`mounting` = C_b_s (3, 3): body = C_b_s sensor; `lever_arm` (3,) from the origin, body axes, m.
+
+        Without a motion it measures only what it is given.
+        """
         self._motion = motion
         self.specimen = specimen
         self._bank = ProcessBank([*specimen.gyro.processes, *specimen.accelerometer.processes], seed)
@@ -62,6 +65,7 @@ class InertialSensor:
 
     def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> Array:
         """Force (3), rate (3), temperature at rising times; see `boards.chips.world.ImuWorld.sample`."""
+        assert self._motion is not None
         times_ns = np.ascontiguousarray(times_ns, dtype=np.int64)
         return self.measured(times_ns, self._motion.rows(times_ns), bandwidth_hz)
 
