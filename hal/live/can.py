@@ -5,20 +5,18 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from threading import Thread
-from time import monotonic, sleep
+from time import monotonic
 from typing import Any
 
 import can
 
 from hal.can import CanFrame
+from hal.live.can_link import CanLink
 from hal.live.cpu import LiveCpu
 
 RECEIVE_FRAMES = 4096
 LOOK_S = 0.1
-PAUSE_S = 0.2
-"""Between two attempts to hear from a bus that has gone away."""
 JOIN_S = 2.0
-
 
 ECHOING = frozenset({"udp_multicast"})
 """Interfaces of python-can that hand a node its own frames although it did not ask for them."""
@@ -33,19 +31,19 @@ class LiveCan:
     """Implements `hal.can.CanController`.
 
     Only classic data frames are received: `ignored` counts error, remote and FD frames, `overruns` those
-    that the firmware did not fetch in time, `failures` frames that the bus refused.
+    that the firmware did not fetch in time, `failures` frames that the bus refused. A bus that vanishes takes
+    no frames until it is there again (`link` counts).
     """
 
     def __init__(self, cpu: LiveCpu, interface: str, channel: str, **options: Any) -> None:
         self.frames_received = self.ignored = self.overruns = self.failures = 0
-        self.last_problem = ""
         self._cpu = cpu
         self._received: deque[CanFrame] = deque()
         self._echoes: deque[tuple[float, CanFrame]] | None = deque() if interface in ECHOING else None
         """Own frames that will come back, and until when."""
         self._closing = False
         try:
-            self._bus = can.Bus(channel=channel, interface=interface, receive_own_messages=False, **options)
+            self.link = CanLink(interface, channel, receive_own_messages=False, **options)
         except Exception as error:  # each interface raises its own
             raise CanPortError(
                 f"CAN {interface}:{channel} cannot be opened: {error}; e.g. socketcan:can0, "
@@ -64,17 +62,19 @@ class LiveCan:
                 is_extended_id=frame.extended,
                 is_rx=False,
             )
-            try:
-                if self._echoes is not None:
-                    self._echoes.append((monotonic() + ECHO_S, frame))
-                self._bus.send(message)
-            except (can.CanError, OSError) as error:
+            if self._echoes is not None:
+                self._echoes.append((monotonic() + ECHO_S, frame))
+            if not self.link.send(message):
                 self.failures += 1
                 if self._echoes:
                     self._echoes.pop()
-                self.last_problem = str(error)
                 return count
         return len(frames)
+
+    @property
+    def last_problem(self) -> str:
+        """What the bus complained about last."""
+        return self.link.last_problem
 
     def receive(self) -> CanFrame | None:
         """The oldest frame received, or None."""
@@ -85,17 +85,11 @@ class LiveCan:
         """Leave the bus."""
         self._closing = True
         self._thread.join(JOIN_S)
-        self._bus.shutdown()
+        self.link.close()
 
     def _read_for_ever(self) -> None:
         while not self._closing:
-            try:
-                message = self._bus.recv(LOOK_S)
-            except (can.CanError, OSError, ValueError) as error:
-                self.last_problem = str(error)
-                if not self._closing:
-                    sleep(PAUSE_S)
-                continue
+            message = self.link.recv(LOOK_S)
             if message is not None:
                 self._take(message)
 

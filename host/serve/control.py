@@ -52,10 +52,7 @@ class ControlChannel:
                 self._rest_until_s = begin_s + (1 + REST) * spent_s
                 self._sessions = self._sessions[attended:] + self._sessions[:attended]
                 break
-        gone = [caller for caller in self._sessions if caller.stream.gone]
-        self._sessions = [
-            caller for caller in self._sessions if not (caller.over or caller in gone[:-MOST_CLIENTS])
-        ]
+        self._let_go()
 
     def close(self) -> None:
         """End all connections."""
@@ -64,16 +61,25 @@ class ControlChannel:
         self._hub.watch(self._listener, None)
         self._listener.close()
 
+    def _let_go(self) -> None:
+        """Of those who have been answered, and of the oldest who have gone when there are too many."""
+        gone = [caller for caller in self._sessions if not caller.is_here]
+        let_go = [caller for caller in self._sessions if caller.over or caller in gone[:-MOST_CLIENTS]]
+        for caller in let_go:
+            caller.stream.close(gently=False)
+            self._sessions.remove(caller)
+
     def _accept(self) -> None:
         try:
             connection, peer = self._listener.accept()
         except OSError:
             return
-        if sum(not caller.stream.gone for caller in self._sessions) >= MOST_CLIENTS:
+        if sum(caller.is_here for caller in self._sessions) >= MOST_CLIENTS:
             connection.close()
             return
         name = f"control {Address(*peer[:2])}"
-        stream = Stream(self._hub, SocketCarrier(connection), name, Terms(_quiet), Traffic())
+        carrier = SocketCarrier(connection)
+        stream = Stream(self._hub, carrier, name, Terms(_quiet), Traffic(), answers_to_the_end=True)
         self._sessions.append(_Caller(stream))
 
 
@@ -87,9 +93,14 @@ class _Caller:
         """It has spoken JSON."""
 
     @property
+    def is_here(self) -> bool:
+        """Whether it may say something more."""
+        return not (self.stream.gone or self.stream.said_all)
+
+    @property
     def over(self) -> bool:
-        """Whether it has gone and left nothing."""
-        return self.stream.gone and not self.stream.waiting and b"\n" not in self._line
+        """Whether it has gone, left nothing to be done and has all its answers."""
+        return not (self.is_here or self.stream.waiting or self._line or self.stream.backlog)
 
     def attend(self, do: Callable[[Any], Reply], until_s: float) -> None:
         """Answer whole lines until `until_s` of time.monotonic()."""
@@ -105,9 +116,9 @@ class _Caller:
                 self._refuse(f"a command is one line of at most {LONGEST_LINE} bytes")
                 return None
             data = self.stream.take(LONGEST_LINE)
-            if not data:
+            if not data and (self.is_here or not self._line):
                 return None
-            self._line += data
+            self._line += data or b"\n"  # the last line of one who has gone
         line = bytes(self._line[:end])
         del self._line[: end + 1]
         return line

@@ -74,6 +74,11 @@ class Endpoint(Protocol):
         """Bytes that the slowest client has not been given yet."""
         ...
 
+    @property
+    def waiting(self) -> int:
+        """Bytes that clients wrote and the line has not taken yet."""
+        ...
+
     def finish(self) -> bool:
         """Called again and again at the end: hand over what is left; whether there is nothing left."""
         ...

@@ -122,6 +122,11 @@ class PtyEndpoint:
         """What waits to be handed over."""
         return 0 if self._stream is None else self._stream.backlog
 
+    @property
+    def waiting(self) -> int:
+        """Of who has it open, and of who had."""
+        return len(self._left) + (0 if self._stream is None else self._stream.waiting)
+
     def finish(self) -> bool:
         """Whether all has been read: what is left in the terminal is lost when it ends."""
         if self.backlog:

@@ -14,6 +14,8 @@ from host.serve.rfc2217 import Telnet, escaped
 from host.serve.stream import READ_BYTES, Carrier, Stream
 
 MOST_CLIENTS = 32
+MOST_WAITING_BYTES = 1 << 20
+"""Written by clients, also by such as have gone, and waiting for the line: some 45 s at 230,400 baud."""
 GOODBYE_S = 1.0
 SYSTEM_BUFFER_BYTES = 1 << 16
 """What the system keeps for a client besides its stream's buffer: by itself it would take megabytes."""
@@ -107,6 +109,11 @@ class SocketEndpoint:
         """Of the slowest client."""
         return max((stream.backlog for stream in self._streams), default=0)
 
+    @property
+    def waiting(self) -> int:
+        """Of all clients, those too that have gone."""
+        return sum(stream.waiting for stream in self._streams)
+
     def finish(self) -> bool:
         """Whether every client has been handed everything."""
         return not self.backlog
@@ -126,6 +133,12 @@ class SocketEndpoint:
         name = f"client {Address(*peer[:2])} of {self.line}"
         if self.present >= MOST_CLIENTS:
             self._terms.tell(f"{name} is turned away: there are {MOST_CLIENTS} already")
+            connection.close()
+            return
+        if self.waiting >= MOST_WAITING_BYTES:
+            self._terms.tell(
+                f"{name} is turned away: {self.waiting:,} bytes that others wrote still wait for the line"
+            )
             connection.close()
             return
         self.traffic.clients += 1

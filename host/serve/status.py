@@ -72,6 +72,7 @@ def _uart(line: Any) -> dict[str, Any]:
         "bytes_written": line.written,
         "clients_now": endpoint.present,
         "backlog": endpoint.backlog,
+        "waiting": endpoint.waiting,
         **asdict(endpoint.traffic),
     }
 

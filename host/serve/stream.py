@@ -43,9 +43,21 @@ class Carrier(Protocol):
 class Stream:
     """One client's two directions. `gone` is set when it has left or was cut off."""
 
-    def __init__(self, hub: Hub, carrier: Carrier, name: str, terms: Terms, traffic: Traffic) -> None:
+    def __init__(
+        self,
+        hub: Hub,
+        carrier: Carrier,
+        name: str,
+        terms: Terms,
+        traffic: Traffic,
+        answers_to_the_end: bool = False,
+    ) -> None:
+        """`answers_to_the_end`: a client that has said all it wants to say still listens; whoever answers it
+        closes the stream."""
         self.name = name
         self.gone = False
+        self.said_all = False
+        """It will send nothing more."""
         self.cut_off = False
         """It did not go by itself."""
         self.lost = 0
@@ -53,6 +65,7 @@ class Stream:
         self._carrier = carrier
         self._terms = terms
         self._traffic = traffic
+        self._answers_to_the_end = answers_to_the_end
         self._out = bytearray()
         self._in = bytearray()
         self._full = False
@@ -156,8 +169,10 @@ class Stream:
         except OSError:
             data = b""
         if not data:
-            self._leave("went")
-            return
+            self.said_all = True
+            if not self._answers_to_the_end:
+                self._leave("went")
+                return
         self._in += data
         self._watch()
 
@@ -180,5 +195,5 @@ class Stream:
     def _watch(self) -> None:
         """Wait for what matters: input while there is room for it, room while there is output."""
         if not self.gone:
-            read = self.read if len(self._in) < INPUT_BYTES else None
+            read = self.read if len(self._in) < INPUT_BYTES and not self.said_all else None
             self._hub.watch(self._carrier.waited, read, self._write if self._out else None)

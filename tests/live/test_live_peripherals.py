@@ -8,6 +8,7 @@ from pathlib import Path
 import can
 import pytest
 from live_benches import MS, VirtualCan, until
+from pty_port import PtyPort
 
 from hal.can import CanFrame
 from hal.live.can import CanPortError, LiveCan
@@ -43,6 +44,27 @@ def test_only_classic_data_frames_are_received(tmp_path: Path) -> None:
     assert bench.controller.receive() is None
     assert bench.controller.ignored == 3
     bench.close()
+
+
+def test_a_serial_can_adapter_that_is_unplugged_is_found_again(tmp_path: Path) -> None:
+    """Its text protocol as it is: t, identifier in three digits, length, data, carriage return."""
+    with PtyPort(tmp_path / "adapter") as device:
+        controller = LiveCan(LiveCpu(), "slcan", str(device.path), sleep_after_open=0.0)
+        device.send(b"t1232AABB\r")
+        until(lambda: controller.receive() == CanFrame(0x123, b"\xaa\xbb"), 5.0)
+        device.unplug()
+        until(lambda: not controller.link.is_open, 5.0)
+        assert controller.send([CanFrame(1, b"x")]) == 0
+        assert controller.failures == 1
+        assert controller.last_problem
+        device.plug_in()
+        until(lambda: controller.link.is_open, 10.0)
+        device.send(b"t4561CC\r")
+        until(lambda: controller.receive() == CanFrame(0x456, b"\xcc"), 5.0)
+        assert controller.send([CanFrame(0x7FF, b"\x01")]) == 1
+        until(lambda: b"t7FF101\r" in bytes(device.written), 5.0)
+        assert (controller.link.losses, controller.link.reopenings) == (1, 1)
+        controller.close()
 
 
 def test_frames_that_nobody_fetches_are_counted(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import json
 import math
+import socket
 import time
 
 import pytest
@@ -99,6 +100,37 @@ def test_a_connection_that_does_not_speak_json_is_ended():
         endless.connection.sendall(b"{" + b" " * 70_000)
         assert "one line of at most" in json.loads(endless.connection.recv(1000))["error"]
         assert board.control.ask("status")["time_s"] == 0.0
+        board.control.ask("stop")
+        board.ended()
+
+
+def test_a_last_line_that_nothing_ends_is_answered():
+    """`printf '{…}' | nc -N HOST PORT`: no line feed, and the end of what the client says."""
+    with ServedHere(None, duration_s=1e6) as board:
+        caller = Control(board.places["control"]).connection
+        caller.sendall(b'{"command": "status", "id": 1}\n{"command": "pace", "pace": 2.0, "id": 2}')
+        caller.shutdown(socket.SHUT_WR)
+        lines = caller.makefile("rb").read().splitlines()
+        assert [json.loads(line)["id"] for line in lines] == [1, 2]
+        silent = Control(board.places["control"]).connection
+        silent.shutdown(socket.SHUT_WR)
+        assert silent.recv(10) == b""
+        broken = Control(board.places["control"]).connection
+        broken.sendall(b'{"command": "sto')
+        broken.shutdown(socket.SHUT_WR)
+        assert "no JSON" in json.loads(broken.makefile("rb").read())["error"]
+        assert board.control.ask("status")["pace"] == 2.0
+        board.control.ask("stop")
+        board.ended()
+
+
+def test_commands_of_clients_that_do_not_wait_for_an_answer_are_done():
+    with ServedHere(None, duration_s=1e6) as board:
+        for k in range(40):
+            with Control(board.places["control"]).connection as caller:
+                caller.sendall(b'{"command": "pace", "pace": %d.0}\n' % (k + 1))
+            while board.control.ask("status")["pace"] != k + 1.0:
+                time.sleep(0.001)
         board.control.ask("stop")
         board.ended()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
@@ -70,6 +71,28 @@ def test_what_a_client_writes_to_the_board_is_line_traffic_at_the_lines_rate():
     host_rx = next(bus for bus in result["buses"] if bus["name"] == "host.rx")
     assert host_rx["bytes"] == line(result, "host")["bytes_written"] == 102_400
     assert host_rx["load"] == pytest.approx(102_400 * 10 / 230_400 / 20.0, rel=1e-6)
+
+
+def test_what_hit_and_run_writers_leave_is_bounded(tmp_path):
+    """Each writes 30 KB and goes; the run is paused, so that nothing of it reaches the line."""
+    with ServedHere(None, "host=tcp://127.0.0.1:0", duration_s=1e6) as board:
+        for _ in range(150):
+            with contextlib.suppress(OSError), board.connect("host") as writer:
+                writer.sendall(bytes(30_000))
+        deadline = time.monotonic() + 20.0
+        while not any("turned away" in line for line in board.told) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        (line,) = board.control.ask("status")["uarts"]
+        assert 1 << 20 <= line["waiting"] < 2_200_000
+        assert any("still wait for the line" in line for line in board.told)
+        board.control.ask("pace", pace=0.0)
+        board.control.ask("resume")
+        board.control.until(board.control.ask("status")["time_s"] + 120.0, limit_s=60.0)
+        assert board.control.ask("status")["uarts"][0]["waiting"] == 0
+        with board.connect("host") as reader:
+            assert reader.recv(1000)
+        board.control.ask("stop")
+        board.ended()
 
 
 def test_several_clients_come_and_go_while_the_run_goes_on():
