@@ -58,6 +58,26 @@ def _on_spi(kind: type[wire_faults.SpiFault], fixed: dict[str, Any] | None = Non
     return place
 
 
+def _override_register(site: Site) -> Effect:
+    """Chips whose registers are no bytes behind a read bit are asked themselves."""
+    device = site.of(site.board.spi_devices, "SPI device")
+    chips = site.board.description.chips.items()
+    refdes = next(refdes for refdes, chip in chips if (chip.name or refdes) == device.name)
+    chip = site.board.chips[refdes]
+    if not hasattr(chip, "override_register"):
+        return _on_spi(wire_faults.SpiRegisterOverride, register=0x00, value=0x00)(site)
+    options = site.parameters(register=chip.identity_register, value=0x00)
+    register, value = options["register"], options["value"]
+    chip.override_register(register, value)  # refused now rather than in flight
+    chip.override_register(register, None)
+    effect = _once(
+        site,
+        lambda: chip.override_register(register, value),
+        lambda: chip.override_register(register, None),
+    )
+    return Effect(lambda: chip.overridden_reads, effect.lift)
+
+
 def _on_i2c(kind: type[wire_faults.I2cFault], **defaults: Any) -> Maker:
     def place(site: Site) -> Effect:
         options = site.parameters(**defaults)
@@ -295,7 +315,7 @@ KINDS: dict[str, Maker] = {
     "spi-bit-errors": _on_spi(wire_faults.SpiBitErrors, probability=1e-4, line="miso"),
     "spi-missing": _on_spi(wire_faults.SpiMissingChip, level=True),
     "spi-stuck": _on_spi(wire_faults.SpiStuckMiso, level=True),
-    "spi-register": _on_spi(wire_faults.SpiRegisterOverride, register=0x00, value=0x00),
+    "spi-register": _override_register,
     "spi-word-slip": _on_spi(wire_faults.SpiWordSlip, bits=1),
     "spi-late": _on_spi(wire_faults.SpiLateAnswers),
     "spi-byte-loss": _on_spi(wire_faults.SpiByteSlips, probability=1e-3),

@@ -66,7 +66,11 @@ class Core:
         self._trouble = 0
         self._log = log
         self._identity = identity
-        self._done_ns = FAR
+        self.done_ns = FAR
+        """When the command at work ends."""
+        self.overrides: dict[int, int] = {}
+        """Registers that are made to read as something else: a fault."""
+        self.overridden_reads = 0
         self._action: Callable[[int], None] = _nothing
         self._updating = False
         """The command at work writes the flash."""
@@ -76,14 +80,14 @@ class Core:
     @property
     def next_ns(self) -> int:
         """When the next thing happens by itself."""
-        return min(self.sampler.next_ns, self._done_ns)
+        return min(self.sampler.next_ns, self.done_ns)
 
     def advance(self, time_ns: int) -> None:
         """Bring everything up to a time."""
-        while self._done_ns <= time_ns:
-            done_ns, action = self._done_ns, self._action
+        while self.done_ns <= time_ns:
+            done_ns, action = self.done_ns, self._action
             self._sample(done_ns)
-            self._done_ns, self._action, self._updating = FAR, _nothing, False
+            self.done_ns, self._action, self._updating = FAR, _nothing, False
             action(done_ns)
         self._sample(time_ns)
 
@@ -128,7 +132,7 @@ class Core:
     def _abandon(self) -> None:
         if self._updating:
             self.flash.break_off()
-        self._done_ns, self._action, self._updating = FAR, _nothing, False
+        self.done_ns, self._action, self._updating = FAR, _nothing, False
         self.sampler.sum_up(False)
 
     def _begin_sampling(self, first_ns: int) -> None:
@@ -178,6 +182,9 @@ class Core:
             return 0
         if address in reg.OUTPUTS:
             return self.output(address // 2 - 1)
+        if address in self.overrides:
+            self.overridden_reads += 1
+            return self.overrides[address]
         if address == reg.DIAG_STAT:
             diagnosis, self.diagnosis = self.diagnosis, 0
             return diagnosis
@@ -188,8 +195,18 @@ class Core:
             return 0
         return word(self.registers.values, address)
 
+    def override(self, address: int, value: int | None) -> None:
+        """Have a register read as `value`; None: as itself."""
+        if value is None:
+            self.overrides.pop(address, None)
+        else:
+            self.overrides[address] = value
+
     def output(self, index: int) -> int:
         """An output register in burst order, with ND and EA; it counts as read."""
+        if 2 * index + 2 in self.overrides:
+            self.overridden_reads += 1
+            return self.overrides[2 * index + 2]
         value = int.from_bytes(self.sampler.words[2 * index : 2 * index + 2], "big") & ~NEW_DATA
         bit = 1 << index
         if self.unread & bit:
@@ -232,7 +249,7 @@ class Core:
         values[reg.SLP_CTRL] = values[reg.SLP_CTRL + 1] = 0
         if not units and not power_down:
             return
-        if self._done_ns != FAR:
+        if self.done_ns != FAR:
             self._log.report(ReportKind.DROPPED, "SLP_CTRL", "sleep while a command is at work", time_ns)
         elif power_down:
             self.sampler.stop()
@@ -270,10 +287,10 @@ class Core:
                 self.sampler.sum_up(True)
 
     def _start(self, duration_ns: int, action: Callable[[int], None], what: str, time_ns: int) -> bool:
-        if self._done_ns != FAR:
+        if self.done_ns != FAR:
             self._log.report(ReportKind.DROPPED, "GLOB_CMD", f"{what} while another is at work", time_ns)
             return False
-        self._done_ns, self._action = time_ns + duration_ns, action
+        self.done_ns, self._action = time_ns + duration_ns, action
         return True
 
     def _update(self, time_ns: int) -> None:
