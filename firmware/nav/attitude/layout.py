@@ -26,7 +26,7 @@ NEWEST = 6
 C_N_B = 31
 """Direction cosines of q_nb as it was at the beginning of the last iteration."""
 
-# --- s: the Earth here, refreshed every REFRESH iterations ---
+# --- s: the Earth here, refreshed every 16 iterations ---
 EARTH_RATE_N = 40
 EARTH_RATE_D = 41
 PER_MERIDIAN_RADIUS = 42

@@ -29,8 +29,8 @@ from firmware.numerics.wide_integers import int64_of_float32
 NANO = np.float32(1.0e9)
 MICRO = np.float32(1.0e6)
 THREE = np.int32(3)
-REFRESH_MASK = 63
-"""The Earth is looked up again every 64 iterations, twice a second."""
+REFRESH_MASK = 15
+"""The Earth is looked up again every 16 iterations."""
 
 
 @kernel("int64(float32[::1], int64[::1], int64[::1])")

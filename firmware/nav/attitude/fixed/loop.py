@@ -30,8 +30,8 @@ from firmware.numerics.fixed.quaternion import euler_of_quaternion
 NANO = 1_000_000_000
 MICRO = 1_000_000
 THREE = np.int32(3)
-REFRESH_MASK = 63
-"""The Earth is looked up again every 64 iterations, twice a second."""
+REFRESH_MASK = 15
+"""The Earth is looked up again every 16 iterations."""
 COUNTER = at.SATURATIONS + fl.SATURATED_RATE
 
 
