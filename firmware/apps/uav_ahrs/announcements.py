@@ -9,6 +9,7 @@ from __future__ import annotations
 from firmware.apps.uav_ahrs.attitude import Attitude
 from firmware.apps.uav_ahrs.output import Output
 from firmware.apps.uav_ahrs.plausibility import JUMPS
+from firmware.apps.uav_ahrs.sensor import Sensor
 from firmware.nav import flags as modes
 from firmware.nav.attitude import flags as fl
 from hal.clock import Clock
@@ -18,8 +19,13 @@ QUIET_LOOKS = 10
 """1 s."""
 SEVERAL = 3
 """So often between two looks (25 reads) something is no single bit error."""
+CLOCK_PPM = 3_000
 FEW_A_SECOND = 2
 """Bursts refused in a second, from which on the bus is called disturbed."""
+
+TRIADS = ("gyro", "accelerometer", "magnetometer")
+STILL_READS = 250
+"""A second without the least change: noise alone moves each output."""
 
 TROUBLE = {
     "stale": ("sensor: no new samples", "sensor: new samples again"),
@@ -32,6 +38,8 @@ TROUBLE = {
     "rates_lost": ("rates lost, attitude uncertain", "rates are back"),
     "overrun": ("samples overrun the attitude task", ""),
     "yaw_given": ("no magnetic field: heading as given", ""),
+    "force_saturated": ("sensor: force beyond its range", "sensor: force within its range again"),
+    **{f"still_{name}": (f"sensor: {name} frozen", f"sensor: {name} moves again") for name in TRIADS},
 }
 """By notice: what is said at its beginning and at its end."""
 
@@ -49,6 +57,7 @@ class Announcer:
         """Trouble that stands, and looks since it was last seen."""
         self._said_ns: dict[str, int] = {}
         self._refused = 0
+        self._forces = 0
         self._spoilt = 0
 
     def look(self) -> None:
@@ -62,6 +71,11 @@ class Announcer:
             if name in TROUBLE:
                 self._tell(name, now - before)
         self._counts = counts
+        for name, reads in zip(TRIADS, self._attitude.still_reads(), strict=True):
+            self._tell(f"still_{name}", SEVERAL if reads > STILL_READS else 0)
+        forces = self._attitude.forces_held()
+        self._tell("force_saturated", forces - self._forces)
+        self._forces = forces
         if output.spoilt != self._spoilt:
             self._spoilt = output.spoilt
             output.send_text("state not a number, the last sound one put back")
@@ -72,6 +86,18 @@ class Announcer:
         grown, self._refused = refused - self._refused, refused
         if grown >= FEW_A_SECOND:
             self._say(f"bus disturbed: {grown} bursts refused in a second", "refused")
+
+    def look_at_clock(self, sensor: Sensor) -> None:
+        """Once a second: does the sensor sample at its rate?"""
+        phase = sensor.phase
+        if not phase.is_settled:
+            return
+        off = abs(phase.error_ppm) > CLOCK_PPM
+        if off and "clock" not in self._told:
+            self._told["clock"] = 0
+            self._output.send_text(f"sensor: sample clock off by {phase.error_ppm} ppm")
+        elif not off and self._told.pop("clock", None) is not None:
+            self._output.send_text("sensor: sample clock right again")
 
     def _tell(self, name: str, often: int) -> None:
         begins, ends = TROUBLE[name]

@@ -74,6 +74,15 @@ class Attitude:
         counted: list[int] = self.i[at.SATURATIONS : at.SATURATIONS + len(fl.SATURATION_NAMES)].tolist()
         return counted
 
+    def still_reads(self) -> list[int]:
+        """For how many reads gyro, accelerometer and magnetometer have shown exactly the same."""
+        counted: list[int] = self.k[memory.STILL : memory.STILL + 3].tolist()
+        return counted
+
+    def forces_held(self) -> int:
+        """Bursts whose force was out of range."""
+        return int(self.k[memory.FORCES_HELD])
+
     @property
     def words(self) -> list[int]:
         """Of the burst read last, as they came."""

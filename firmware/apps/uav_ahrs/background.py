@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from firmware.apps.uav_ahrs.announcements import Announcer
 from firmware.apps.uav_ahrs.diagnosis import flags_in_words
 from firmware.apps.uav_ahrs.output import Output
@@ -27,6 +29,8 @@ class Background:
         self._tick_line = io.interrupts.attach("background_tick", self._on_tick)
         self._ticks = 0
         self._start_after = 0
+        self._bus_work: list[Callable[[], None]] = []
+        """What waits for a pause between bursts: one that came between would take an answer away."""
         self._said = Outcome.OK
         self._said_detail = 0
 
@@ -37,9 +41,11 @@ class Background:
         io.watchdog.start(WATCHDOG_NS)
         io.timers["background"].start(RATE_HZ, self._tick_line)
         done = 0
+        bus_work = self._bus_work
         while True:
             wait()
-            sensor.look_for_sample()
+            if bus_work and sensor.bus_is_quiet():
+                bus_work.pop(0)()
             if self._ticks == done:
                 continue
             done = self._ticks
@@ -47,17 +53,28 @@ class Background:
             if sensor.is_silent and done >= self._start_after:
                 self._set_up()
             self._announcer.look()
+            if not bus_work and sensor.look_is_due():
+                bus_work.append(self._look)
             if done % RATE_HZ == 0:
                 self._every_second()
 
     def _on_tick(self) -> None:
         self._ticks += 1
 
+    def _look(self) -> None:
+        """When do samples come? Again after the next burst while that is not known well."""
+        sensor = self._sensor
+        if sensor.look_is_due():
+            sensor.look_for_sample()
+        if not sensor.phase.is_settled and sensor.answers:
+            self._bus_work.append(self._look)
+
     def _every_second(self) -> None:
         self._io.cpu.spend(self._health_cost)
-        if self._sensor.answers and not self._sensor.failed_reads:
-            self._check()
+        if self._sensor.answers and not self._sensor.failed_reads and self._check not in self._bus_work:
+            self._bus_work.append(self._check)
         self._announcer.look_at_bus()
+        self._announcer.look_at_clock(self._sensor)
         self._output.send_slow()
 
     def _check(self) -> None:

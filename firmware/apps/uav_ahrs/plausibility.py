@@ -4,7 +4,10 @@
 
 - a jump: a rate or force further from the last one than two samples in a row can be. It is refused, unless
   the burst before was refused too and said the same: then it is no bit error;
-- a chip that samples no more: its registers stand, ND stays clear read after read.
+- a chip that samples no more: its registers stand, ND stays clear read after read;
+- a triad that is frozen: it shows exactly the same read after read, which noise does not allow.
+
+A force at the end of its range says nothing about the vertical: the one before stands for it.
 
 Memory `k`, int64: the words believed last, the words refused last, and counts. Bursts are counted by reads.
 """
@@ -30,13 +33,19 @@ LOST_READS: Final = 32
 """Reads whose rates were taken for zero."""
 FAILED_ROW: Final = 33
 """Reads in a row that brought no sample: nobody there, slipped, stale."""
-PLAUSIBILITY_SIZE: Final = 34
+STILL: Final = 34
+"""Reads in a row in which gyro, accelerometer, magnetometer (3) showed exactly the same."""
+FORCES_HELD: Final = 37
+"""Bursts whose force was out of range, so that the one before stood for it."""
+PLAUSIBILITY_SIZE: Final = 38
 
 INERTIAL: Final = 6
 """Words of gyro and accelerometer, from GYRO on."""
 MOST_REFUSED: Final = 10
 """In a row; what goes on for longer is no disturbance of single bursts."""
 
+FORCE_LIMIT = np.int64(5_390)
+"""18 g in counts of 1/300 g, less a little."""
 RATE_STEP = np.int64(500)
 """25 °/s in 4 ms: 6,250 °/s², which a body of this kind does not reach."""
 FORCE_STEP = np.int64(900)
@@ -75,3 +84,27 @@ def is_jump(k, words):
     k[SEEN] = np.int64(1)
     keep(k, LAST, words)
     return False
+
+
+@kernel
+def count_still(k, words):
+    """Follow for how long each triad has stood exactly as it is."""
+    for triad in range(np.int32(3)):
+        same = k[SEEN] != np.int64(0)
+        for n in range(np.int32(3)):
+            place = np.int64(GYRO + 3 * triad + n)
+            same = same and signed_14(words[place]) == signed_14(k[LAST + place])
+        k[STILL + triad] = k[STILL + triad] + np.int64(1) if same else np.int64(0)
+
+
+@kernel
+def hold_force(k, words):
+    """Put the last force in the place of one at the end of its range."""
+    beyond = False
+    for n in range(np.int32(3)):
+        force = signed_14(words[ACCEL + n])
+        beyond = beyond or force >= FORCE_LIMIT or force <= -FORCE_LIMIT
+    if beyond and k[SEEN] != np.int64(0):
+        k[FORCES_HELD] += np.int64(1)
+        for n in range(np.int32(3)):
+            words[ACCEL + n] = k[LAST + ACCEL + n]

@@ -31,7 +31,7 @@ DELAY_NS = (FILTER_STAGES_TAPS - 1) * NOMINAL_SAMPLE_NS
 LOOK_AGE_NS = 66_000
 """From the renewal of the outputs until `await_sample` returns, on the mean: two and a half words."""
 QUIET_NS = 1_200_000
-"""Later after a read there is not enough time to look for a renewal before the next one."""
+"""Later after a read there is not enough time for other words before the next one."""
 SILENT_READS = 75
 """0.3 s without a sample: the sensor is set up anew. (A reset of its own takes 0.21 s.)"""
 
@@ -69,10 +69,6 @@ class Sensor:
         if self.outcome is Outcome.OK and self._wants_self_test:
             self.outcome = self.chip.self_test()
             self.diagnosis |= self.chip.detail
-        while self._answers and self.phase.instants < 2:
-            if not self._look():
-                break
-            self._cpu.delay(self.phase.next_look_ns - self._clock.now_ns())
         self._line = self._io.interrupts.attach("imu_timer", self._on_timer)
         self._io.timers["imu_timer"].start(READS_PER_S, self._line)
         return self.outcome
@@ -88,10 +84,11 @@ class Sensor:
         return self.outcome
 
     def check(self) -> Outcome:
-        """What the chip says of itself, asked twice when it says anything: a bit may have flipped."""
+        """What the chip says of itself. Identity and settings are asked for twice when they are wrong, since a
+        bit may have flipped; flags clear with the first answer."""
         found = self.chip.check()
         self._note(found)
-        if found is not Outcome.OK:
+        if found not in (Outcome.OK, Outcome.ERROR_FLAG, Outcome.ALARM):
             found = self.chip.check()
             self._note(found)
         return found
@@ -111,11 +108,18 @@ class Sensor:
         """Whether it is to be set up anew."""
         return not self._answers or self.failed_reads >= SILENT_READS
 
+    def bus_is_quiet(self) -> bool:
+        """Whether there is time for some words before the next burst."""
+        return self._clock.now_ns() - self.read_at_ns < QUIET_NS
+
+    def look_is_due(self) -> bool:
+        """Whether `look_for_sample` is to be called, when the bus is quiet."""
+        return self._answers and self._clock.now_ns() >= self.phase.next_look_ns
+
     def look_for_sample(self) -> None:
-        """From the background, right after a read, now and then: when do the samples come?"""
-        now_ns = self._clock.now_ns()
-        if now_ns >= self.phase.next_look_ns and now_ns - self.read_at_ns < QUIET_NS and self._answers:
-            self._look()
+        """When do the samples come?"""
+        if self.chip.await_sample():
+            self.phase.renewed(self._clock.now_ns() - LOOK_AGE_NS)
 
     def sample_age_us(self) -> int | None:
         """Of the sample read last; None: not known."""
@@ -125,12 +129,6 @@ class Sensor:
     def valid_at_ns(self) -> int:
         """The board time that the last sample shows: of unknown age, so of mean age, and filtered."""
         return self.read_at_ns - NOMINAL_SAMPLE_NS // 2 - DELAY_NS
-
-    def _look(self) -> bool:
-        found = self.chip.await_sample()
-        if found:
-            self.phase.renewed(self._clock.now_ns() - LOOK_AGE_NS)
-        return found
 
     def _note(self, found: Outcome) -> None:
         detail = self.chip.detail

@@ -7,7 +7,14 @@ from typing import Final
 
 import numpy as np
 
-from firmware.apps.uav_ahrs.plausibility import FAILED_ROW, LOST_READS, STALE_ROW, is_jump
+from firmware.apps.uav_ahrs.plausibility import (
+    FAILED_ROW,
+    LOST_READS,
+    STALE_ROW,
+    count_still,
+    hold_force,
+    is_jump,
+)
 from firmware.nav.attitude import flags as fl
 from firmware.nav.attitude import layout as at
 from firmware.nav.attitude.burst_words import WORDS, look_at
@@ -46,6 +53,9 @@ def is_to_bridge(i, k, words):
     k[FAILED_ROW] = k[FAILED_ROW] + np.int64(1) if failed else np.int64(0)
     if found & NO_SAMPLE != 0:
         return False
+    if found & fl.STALE == 0:
+        count_still(k, words)
+    hold_force(k, words)
     return k[STALE_ROW] > np.int64(HOLD_READS) or is_jump(k, words)
 
 
