@@ -58,5 +58,6 @@ class Acquisition:
         self.chip.read()
         self.reads += 1
         self._cpu.spend(self._cost)
-        if self.sample_task is not None:
-            self.sample_task.pend()
+        task = self.sample_task
+        if task is not None:
+            task.pend()

@@ -114,17 +114,17 @@ class NavigationTasks:
         step = self._step
         step(self._f, self._i, self._raw, self._acquisition.read_at_ns)
         self._cpu.spend(self._step_cost)
-        self._count_step()
+        self._steps = steps = self._steps + 1
+        if steps == self._steps_per_output:
+            self._steps = 0
+            self._output_line.pend()
 
     def _on_mean_sample(self) -> None:
         """`thesis`: a step for every tenth sample."""
         self._cpu.spend(self._sample_cost)
         if self._step(self._f, self._i, self._raw, self._acquisition.read_at_ns):
             self._cpu.spend(self._step_cost)
-            self._count_step()
-
-    def _count_step(self) -> None:
-        self._steps += 1
-        if self._steps == self._steps_per_output:
-            self._steps = 0
-            self._output_line.pend()
+            self._steps += 1
+            if self._steps == self._steps_per_output:
+                self._steps = 0
+                self._output_line.pend()
