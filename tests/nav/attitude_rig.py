@@ -19,6 +19,8 @@ DEG = math.pi / 180.0
 PERIOD = 0.008
 EARTH_RATE = 7.292115e-5
 LATITUDE, LONGITUDE, HEIGHT = 47.0 * DEG, 11.0 * DEG, 800.0
+FLIGHT_BEGIN = (0.4, 0.05, -0.1)
+"""Yaw, pitch, roll."""
 EVERY_PROFILE = ("float32", "fixed", "float64")
 
 
@@ -80,22 +82,33 @@ def rotation(yaw: float, pitch: float, roll: float) -> Array:
 
 
 def flight(seconds: float, noise: bool = False) -> Array:
-    """A small aircraft that circles, climbs and shakes: samples in SI, every half iteration.
+    """A small aircraft that circles, banks to 40° and shakes: samples in SI, every half iteration.
 
-    Rates and forces are smooth functions of time, not those of one trajectory; with noise, the sensor's.
+    Rates are exact from FLIGHT_BEGIN on; forces are those of slow accelerations, gravity at LATITUDE and
+    nothing for the turning Earth, so that the speed found drifts by metres a second. With noise, the
+    sensor's.
     """
     count = 2 * round(seconds / PERIOD) + 1
     t = 0.5 * PERIOD * np.arange(count)
+    yaw = FLIGHT_BEGIN[0] + 0.05 * t + 0.3 * np.sin(0.2 * t)
+    pitch = FLIGHT_BEGIN[1] + 0.2 * np.sin(0.31 * t) + 0.02 * np.sin(7.0 * t)
+    roll = FLIGHT_BEGIN[2] + 0.7 * np.sin(0.17 * t) + 0.03 * np.sin(11.0 * t)
+    yaw_rate = 0.05 + 0.06 * np.cos(0.2 * t)
+    pitch_rate = 0.062 * np.cos(0.31 * t) + 0.14 * np.cos(7.0 * t)
+    roll_rate = 0.119 * np.cos(0.17 * t) + 0.33 * np.cos(11.0 * t)
+    sp, cp, sr, cr = np.sin(pitch), np.cos(pitch), np.sin(roll), np.cos(roll)
     rates = np.column_stack(
         (
-            0.6 * np.sin(0.9 * t) + 0.3 * np.sin(11.0 * t),
-            0.2 * np.sin(0.7 * t + 1.0) + 0.2 * np.cos(11.0 * t),
-            0.15 * np.sin(0.05 * t) + 0.05 * np.sin(3.0 * t),
+            roll_rate - yaw_rate * sp,
+            pitch_rate * cr + yaw_rate * cp * sr,
+            yaw_rate * cp * cr - pitch_rate * sr,
         )
     )
-    forces = np.column_stack(
-        (0.8 * np.sin(0.4 * t), 1.0 * np.sin(0.9 * t + 0.5), -9.81 + 1.5 * np.sin(5.0 * t))
-    )
+    north, east, down = 1.5 * np.sin(0.3 * t), np.cos(0.25 * t), 0.5 * np.sin(0.5 * t) - 9.8058
+    ahead = np.cos(yaw) * north + np.sin(yaw) * east
+    right = np.cos(yaw) * east - np.sin(yaw) * north
+    below = sp * ahead + cp * down
+    forces = np.column_stack((cp * ahead - sp * down, cr * right + sr * below, cr * below - sr * right))
     if noise:
         rng = np.random.Generator(np.random.PCG64(7))
         rates += rng.normal(0.0, 0.8 * DEG, rates.shape)

@@ -60,7 +60,7 @@ def wrap(angle):
 
 @kernel("int64(int64)")
 def nanoradians(angle):
-    """1e-9 rad of an angle of up to two turns, not wrapped."""
+    """1e-9 rad of an angle of up to a turn, not wrapped."""
     return product(angle, NANORADIANS_Q30, 30)
 
 
