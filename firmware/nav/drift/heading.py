@@ -140,6 +140,8 @@ def _judge(d, k, dt, norm, dip):
         _approach(d, at.CANDIDATE_NORM, dt, norm, dip)
         needed = FIRST_AFTER if d[at.FIELD_NORM] == ZERO else NEW_AFTER
         if disturbed and d[at.CANDIDATE_TIME] >= needed:
+            if d[at.FIELD_NORM] == ZERO:
+                d[at.REJECTED_TIME] = ZERO
             d[at.FIELD_NORM] = d[at.CANDIDATE_NORM]
             d[at.FIELD_DIP] = d[at.CANDIDATE_DIP]
             d[at.UNDISTURBED_TIME] = BELIEVED_AFTER
