@@ -28,6 +28,8 @@ KNOWN_BY = (
     ("yaw_deg", "pitch_deg", "roll_deg"),
 )
 """A board that does not know one of the three sends zeros: then its error says nothing."""
+UNAIDED = np.array((False, False, True))
+"""Of a board without receiver: its position and velocity drift away, with the fault and without."""
 SETTLED_S = 5.0
 """So long before the end of the run the last bad solution must lie."""
 DEGRADED = 4
@@ -102,6 +104,7 @@ def fault_course(result: RunResult) -> dict[str, Any]:
         "float64": base64.b64encode(columns.astype("<f8").tobytes()).decode(),
         "fired": [fault.fired for fault in result.faults],
         "duration_s": result.duration_s,
+        "has_receiver": result.gnss.get("fix_share", 0.0) is not None,
         "can": can_course(result),
         **told_course(result),
     }
@@ -116,7 +119,8 @@ def effect(strike: Strike, series: Mapping[str, Any], usual: Mapping[str, Any]) 
     navigating = (mode >= NAVIGATING) & np.isfinite(errors[known]).all(axis=0) & known.any()
     after, end_s = t >= strike.at_s, float(series["duration_s"])
     good = navigating.copy()
-    for one in np.flatnonzero(known):
+    aided = bool(usual.get("has_receiver", True))
+    for one in np.flatnonzero(known if aided else known & UNAIDED):
         there = usual_navigating & np.isfinite(usual_errors[one])
         good &= errors[one] <= np.interp(t, usual_t[there], usual_errors[one][there]) + EXCESS[one]
     ended_s = strike.at_s + (strike.duration_s or 0.0)

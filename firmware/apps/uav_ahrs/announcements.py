@@ -23,6 +23,8 @@ CLOCK_PPM = 3_000
 FEW_A_SECOND = 2
 """Bursts refused in a second, from which on the bus is called disturbed."""
 
+LARGEST_BIAS = 8_726_646
+"""1e-9 rad/s: 0.5 °/s; after an auto-null it is a hundredth of that."""
 TRIADS = ("gyro", "accelerometer", "magnetometer")
 STILL_READS = 250
 """A second without the least change: noise alone moves each output."""
@@ -38,6 +40,7 @@ TROUBLE = {
     "rates_lost": ("rates lost, attitude uncertain", "rates are back"),
     "overrun": ("samples overrun the attitude task", ""),
     "yaw_given": ("no magnetic field: heading as given", ""),
+    "gyro_bias": ("sensor: gyro bias beyond 0.5 deg/s", "sensor: gyro bias small again"),
     "force_saturated": ("sensor: force beyond its range", "sensor: force within its range again"),
     **{f"still_{name}": (f"sensor: {name} frozen", f"sensor: {name} moves again") for name in TRIADS},
 }
@@ -73,6 +76,7 @@ class Announcer:
         self._counts = counts
         for name, reads in zip(TRIADS, self._attitude.still_reads(), strict=True):
             self._tell(f"still_{name}", SEVERAL if reads > STILL_READS else 0)
+        self._tell("gyro_bias", SEVERAL if output.gyro_bias > LARGEST_BIAS else 0)
         forces = self._attitude.forces_held()
         self._tell("force_saturated", forces - self._forces)
         self._forces = forces

@@ -42,6 +42,8 @@ class Output:
         self._slow_cost = io.cpu.cost("slow_frames")
         self._task_figures = io.interrupts.figures if settings.task_frames else None
         self._task_cost = io.cpu.cost("task_frames") if settings.task_frames else 0
+        self.gyro_bias = 0
+        """The largest of the three as estimated, 1e-9 rad/s."""
         self._ages: list[int] = []
         """Of the samples of solutions since the last SENSOR frame, µs."""
 
@@ -53,6 +55,7 @@ class Output:
         if flags & DOUBTFUL:
             self._doubt_until_ns = now_ns + DOUBT_NS
         self.mode = self._mode(mode, now_ns)
+        self.gyro_bias = max(map(abs, record[at.OUT_GYRO_BIAS : at.OUT_GYRO_BIAS + 3].tolist()))
         age_us = self._sensor.sample_age_us()
         if age_us is None:
             age_us = UNKNOWN_AGE

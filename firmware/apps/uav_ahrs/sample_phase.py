@@ -22,7 +22,8 @@ LARGEST_ERROR: Final = NOMINAL_PERIOD // 25
 """4 % of the period: a clock further off is no clock of this chip."""
 SETTLED_SPAN_NS: Final = 300_000_000
 LONGEST_SPAN_NS: Final = 8_000_000_000
-LONGEST_PAUSE_NS: Final = 1_000_000_000
+LONGEST_PAUSE_NS: Final = (1_000_000_000, 370_000_000)
+"""In turn: a clock that is off by whole periods in the one is not in the other."""
 UNKNOWN: Final = -1
 
 
@@ -53,7 +54,9 @@ class SamplePhase:
     @property
     def next_look_ns(self) -> int:
         """When the next instant is to be looked for, so that no period is miscounted."""
-        return self._last_ns + min(self._last_ns - self._first_ns, LONGEST_PAUSE_NS) if self.instants else 0
+        if not self.instants:
+            return 0
+        return self._last_ns + min(self._last_ns - self._first_ns, LONGEST_PAUSE_NS[self.instants & 1])
 
     def renewed(self, at_ns: int) -> None:
         """Outputs were renewed at this board time."""

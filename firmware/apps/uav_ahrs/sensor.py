@@ -84,8 +84,8 @@ class Sensor:
         return self.outcome
 
     def check(self) -> Outcome:
-        """What the chip says of itself. Identity and settings are asked for twice when they are wrong, since a
-        bit may have flipped; flags clear with the first answer."""
+        """What the chip says of itself. Identity and settings are asked for twice when they are wrong, since
+        a bit may have flipped; flags clear with the first answer."""
         found = self.chip.check()
         self._note(found)
         if found not in (Outcome.OK, Outcome.ERROR_FLAG, Outcome.ALARM):
