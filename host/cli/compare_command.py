@@ -38,6 +38,10 @@ def compare_command(
         Path | None,
         typer.Option("--out", "-o", metavar="DIR", help="A folder for report.html and compare.json."),
     ] = None,
+    cycles: Annotated[
+        bool,
+        typer.Option("--cycles/--no-cycles", help="Estimate the cycles of the kernels; takes some seconds."),
+    ] = True,
     json: Annotated[
         str | None, typer.Option("--json", metavar="FILE|-", help="Figures as JSON; - is standard output.")
     ] = None,
@@ -52,7 +56,7 @@ def compare_command(
     def command() -> int:
         from host.cli.compare_run import AskedComparison, execute
 
-        asked = AskedComparison(board, profiles, scenario, capture, seed, tuple(changes or ()), data)
+        asked = AskedComparison(board, profiles, scenario, capture, seed, tuple(changes or ()), data, cycles)
         return execute(asked, out, json, quiet)
 
     guarded(command, NOTHING_KEPT)

@@ -20,19 +20,13 @@ LABELS = {
 
 def section(costs: Sequence[Cost]) -> Section:
     """One row a kernel, then the solution as a whole beside the document's."""
-    names = [name for name in LABELS if any(_ran(one, name) for one in costs)]
-    rows = [
-        (
-            LABELS[name],
-            str(BURSTS.get(name, 1)),
-            *(_cells(one.calls[name].per_call if _ran(one, name) else None) for one in costs),
-        )
-        for name in names
-    ]
-    made = [(label, times, *(cell for pair in pairs for cell in pair)) for label, times, *pairs in rows]
-    total = [cell for one in costs for cell in _cells(one.solution)]
-    known = [cell for _ in costs for cell in (count(DOCUMENT_S * CLOCK_HZ), number(1e6 * DOCUMENT_S))]
-    made += [("one solution", "", *total), ("document's solution", "", *known)]
+    made: list[tuple[str, ...]] = []
+    for name, label in LABELS.items():
+        means = [one.calls[name].per_call if _ran(one, name) else None for one in costs]
+        if any(mean is not None for mean in means):
+            made.append((label, str(BURSTS.get(name, 1)), *(cell for mean in means for cell in _cells(mean))))
+    made.append(("one solution", "", *(cell for one in costs for cell in _cells(one.solution))))
+    made.append(("document's solution", "", *_cells(DOCUMENT_S * CLOCK_HZ) * len(costs)))
     columns = ["kernel", "calls"]
     for one in costs:
         columns += [f"{one.arithmetic}, cycles", "µs"]

@@ -137,10 +137,10 @@ def _difference(one: Difference) -> dict[str, Any]:
     }
 
 
-def page(title: str, comparison: Comparison, costs: Sequence[Section] = ()) -> str:
-    """One file that opens offline."""
+def page(title: str, comparison: Comparison, tables: Sequence[Section]) -> str:
+    """One file that opens offline, with `sections`."""
     chart = _chart(comparison)
-    whole, *others = (table(one) for one in sections(comparison, costs))
+    whole, *others = map(table, tables)
     body = [f"<header><h1>{escape(title)}</h1></header>", whole, chart_block(chart), *others]
     return document(title, body, chart_scripts({}, [chart]))
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from boards.assembly import installation_of
+from boards.description import Board, load_board
 from firmware.apps.uav_ahrs.attitude import attitude_config
 from firmware.apps.uav_ahrs.settings import Settings
 from firmware.nav.attitude.config import AttitudeConfig
@@ -35,6 +36,7 @@ class Source:
 @contextmanager
 def from_run(request: RunRequest) -> Iterator[Source]:
     """The words of a run made now, whose capture is gone afterwards. Raises UserError."""
+    _check_program(load_board(request.board))
     setup = resolve(request)
     config = _config(setup)
     with tempfile.TemporaryDirectory(prefix="navtwin-compare-") as folder:
@@ -61,13 +63,17 @@ def from_capture(given: Path) -> Source:
     return Source(path, _config(recorded_setup(reader.manifest, None, None)), str(given))
 
 
-def _config(setup: Setup) -> AttitudeConfig:
-    programs = [one.program for one in setup.board.processors.values()]
+def _check_program(board: Board) -> None:
+    programs = [one.program for one in board.processors.values()]
     if not any(program.startswith(PROGRAM) for program in programs):
         raise UserError(
-            f"board {setup.board.name}: its firmware exists in one arithmetic; compare takes boards with the"
+            f"board {board.name}: its firmware exists in one arithmetic; compare takes boards with the"
             " attitude computer, for example navtwin compare uav_ahrs"
         )
+
+
+def _config(setup: Setup) -> AttitudeConfig:
+    _check_program(setup.board)
     try:
         settings = Settings.of(setup.profile)
     except ValueError as error:

@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 def wrapped(angle: Array) -> Array:
     """Angles in rad, within ±π."""
-    return np.asarray((angle + np.pi) % (2.0 * np.pi) - np.pi, np.float64)
+    return np.asarray(angle - 2.0 * np.pi * np.round(angle / (2.0 * np.pi)), np.float64)
 
 
 def quaternion(angles: Array) -> Array:
