@@ -1,0 +1,226 @@
+"""The two-antenna receiver as one object: supply, start, an epoch at its rate, a few commands.
+
+It stands for "dual-antenna GPS, RS-232, NMEA" of the board's document. Its commands are those of Hemisphere
+receivers as far as a board needs them (docs/fidelity/dual_antenna.md):
+
+    $JASC,GPGGA,1    rate of a sentence in Hz, 0 for none      answered "$>"
+    $JBAUD,38400     bit rate of the port
+    $JOFF            no sentences
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from boards.chips.dual_antenna.sentences import SENTENCES, Report, attitude_of
+from boards.chips.neo_m8n.input_parser import DOLLAR
+from boards.chips.neo_m8n.transmitter import Transmitter
+from boards.chips.neo_m8n.utc import utc_from_gps
+from boards.chips.neo_m8n.wiring import TransmitLine
+from boards.chips.registers import AccessLog, AccessReport, ReportKind
+from boards.chips.world import GnssEpoch, GnssWorld
+from hal.emulated.pins import Net
+from hal.emulated.virtual_time import SECOND, Event, VirtualTime
+
+BAUD_RATES = (4800, 9600, 19_200, 38_400, 57_600, 115_200, 230_400)
+RATES_HZ = (1, 2, 5, 10, 20)
+DEFAULT_SENTENCES = ("GGA", "RMC", "VTG", "HDT", "PASHR")
+BOOT_NS = SECOND // 2
+FIX_AFTER_NS = {"cold": 40 * SECOND, "warm": 20 * SECOND, "hot": 1 * SECOND}
+HEADING_AFTER_NS = 10 * SECOND
+"""From the first fix of a start until ambiguities are fixed; a choice."""
+BUFFER_BYTES = 4096
+LONGEST_LINE = 128
+ACCEPTED = b"$>\r\n"
+
+
+class DualAntennaReceiver:
+    """The receiver. `receive` is its RXD, `tx` the wire at TXD.
+
+    `rate_hz`: epochs a second, 1, 2, 5, 10 or 20; `sentences`: which come with each, of `SENTENCES`; `baud`.
+    `antennas`: "along" when the second antenna is before the main one (heading and pitch), "across" when it
+    is to its right (heading and roll). `start_state`: "cold", "warm" or "hot". `strict`: reports are raised
+    as UndocumentedAccessError. Without a baseline in its world it reports no attitude.
+    """
+
+    feels = "gnss"
+    """The world that it asks."""
+
+    def __init__(
+        self,
+        time: VirtualTime,
+        world: GnssWorld,
+        tx: TransmitLine,
+        *,
+        rate_hz: int = 1,
+        baud: int = 19_200,
+        sentences: tuple[str, ...] | list[str] = DEFAULT_SENTENCES,
+        antennas: str = "along",
+        start_state: str = "hot",
+        powered: bool = True,
+        strict: bool = False,
+        name: str = "dual-antenna receiver",
+    ) -> None:
+        for what, value, possible in (
+            ("rate_hz", rate_hz, RATES_HZ),
+            ("baud", baud, BAUD_RATES),
+            ("antennas", antennas, ("along", "across")),
+            ("start_state", start_state, tuple(FIX_AFTER_NS)),
+            *(("sentences", one, tuple(SENTENCES)) for one in sentences),
+        ):
+            if value not in possible:
+                raise ValueError(f"{name}: {what} = {value!r}; possible: {', '.join(map(str, possible))}")
+        self.name = name
+        self.pins: dict[str, Net | None] = {}
+        self.log = AccessLog(name, strict=strict)
+        self._time = time
+        self._world = world
+        self._transmitter = Transmitter(time, tx, BUFFER_BYTES)
+        self._own_baud = baud
+        self._own_sentences = dict.fromkeys(sentences, rate_hz)
+        self._rate_hz = rate_hz
+        self._across = antennas == "across"
+        self._state = start_state
+        self._powered = self._running = False
+        self._session = 0
+        self._next: Event | None = None
+        if powered:
+            self.power(True)
+
+    @property
+    def reports(self) -> list[AccessReport]:
+        """What the host said wrongly, and what it asked for that this model leaves out."""
+        return self.log.reports
+
+    @property
+    def baud(self) -> int:
+        """Bit rate of the port now, both directions."""
+        return self._transmitter.baud
+
+    @property
+    def messages_dropped(self) -> int:
+        """Sentences that found no room in the transmit buffer."""
+        return self._transmitter.dropped
+
+    # -- supply ------------------------------------------------------------------------------------
+
+    def power(self, on: bool) -> None:
+        """Switch the supply. Settings made by commands are lost with it."""
+        if on == self._powered:
+            return
+        self._powered = on
+        self._session += 1
+        if not on:
+            self._running = False
+            if self._next is not None:
+                self._next.cancel()
+                self._next = None
+            self._transmitter.stop()
+            return
+        self._started_ns = self._time.now
+        self._rates = dict(self._own_sentences)
+        self._count = 0
+        self._line = bytearray()
+        self._fixed_ns: int | None = None
+        self._time.at(self._time.now + BOOT_NS, partial(self._come_up, self._session))
+
+    def _come_up(self, session: int) -> None:
+        if session == self._session:
+            self._running = True
+            self._transmitter.start(self._own_baud)
+            self._next = self._time.at(self._next_epoch(self._world.epoch(self._time.now)), self._navigate)
+
+    # -- navigation --------------------------------------------------------------------------------
+
+    def _next_epoch(self, epoch: GnssEpoch) -> int:
+        """Virtual time of the next instant on the grid of GPS time."""
+        period = SECOND // self._rate_hz
+        step = period - epoch.gps_time_ns % period
+        return self._time.now + (step if step >= period // 2 else step + period)
+
+    def _navigate(self) -> int:
+        """One epoch; returns when the next one is."""
+        now = self._time.now
+        epoch = self._world.epoch(now)
+        report = self._report(epoch, now)
+        second = (epoch.gps_time_ns + SECOND // (2 * self._rate_hz)) % SECOND // (SECOND // self._rate_hz)
+        self._time.at(now + max(0, epoch.latency_ns), partial(self._show, report, second, self._session))
+        return self._next_epoch(epoch)
+
+    def _report(self, epoch: GnssEpoch, now: int) -> Report:
+        fix = epoch.fix and now - self._started_ns >= FIX_AFTER_NS[self._state]
+        if fix and self._fixed_ns is None:
+            self._fixed_ns = now
+        ready = self._fixed_ns is not None and now - self._fixed_ns >= HEADING_AFTER_NS
+        attitude = attitude_of(epoch.baseline, self._across) if fix and ready else None
+        utc = utc_from_gps(epoch.gps_time_ns, epoch.leap_seconds)
+        time_known = epoch.time_known and (fix or self._fixed_ns is not None)
+        return Report(utc, time_known, fix, epoch, attitude, epoch.satellites)
+
+    def _show(self, report: Report, place: int, session: int) -> None:
+        """`place`: of the epoch within its second."""
+        if session != self._session or not self._running:
+            return
+        due = [
+            SENTENCES[name](report)
+            for name in SENTENCES
+            if (rate := self._rates.get(name, 0)) and place % (self._rate_hz // rate) == 0
+        ]
+        if due:
+            self._transmitter.send(due)
+
+    # -- commands ----------------------------------------------------------------------------------
+
+    def receive(self, data: bytes, time_ns: int) -> None:
+        """Bytes from the host, complete at `time_ns`."""
+        if not self._running:
+            return
+        for byte in data:
+            if byte == DOLLAR:
+                self._line = bytearray(b"$")
+            elif byte in b"\r\n":
+                line, self._line = bytes(self._line), bytearray()
+                if line:
+                    self._obey(line)
+            elif self._line and len(self._line) < LONGEST_LINE:
+                self._line.append(byte)
+
+    def _obey(self, line: bytes) -> None:
+        fields = line[1:].split(b"*")[0].decode("ascii", "replace").split(",")
+        if fields[0] == "JOFF":
+            self._rates.clear()
+        elif fields[0] == "JBAUD" and len(fields) >= 2:
+            if not self._change_baud(fields[1]):
+                return
+        elif fields[0] == "JASC" and len(fields) >= 3:
+            if not self._change_rate(fields[1:]):
+                return
+        else:
+            self.log.report(ReportKind.NOT_MODELLED, fields[0], "ignored", self._time.now)
+            return
+        self._transmitter.send([ACCEPTED])
+
+    def _change_baud(self, text: str) -> bool:
+        if not text.isdecimal() or int(text[:9]) not in BAUD_RATES:
+            self.log.report(ReportKind.PROTOCOL, "JBAUD", f"{text} baud: ignored", self._time.now)
+            return False
+        self._transmitter.send([ACCEPTED])
+        self._transmitter.change_baud(int(text))
+        return False
+
+    def _change_rate(self, fields: list[str]) -> bool:
+        """Sentence and rate; the name may hold a comma (PSAT,HPR)."""
+        name, rate = fields[0], fields[-1] if fields[-1] != "OTHER" else fields[-2]
+        if len(fields) >= 3 and fields[1] == "HPR":
+            name = f"{fields[0]},HPR"
+        name = name[2:] if name[:2] == "GP" else name
+        if name not in SENTENCES or not rate.isdecimal() or int(rate[:4]) not in (0, *RATES_HZ):
+            what = f"{','.join(fields)}: ignored"
+            self.log.report(ReportKind.PROTOCOL, "JASC", what, self._time.now)
+            return False
+        if int(rate) and self._rate_hz % int(rate):
+            detail = f"{name} at {rate} Hz: the receiver navigates at {self._rate_hz} Hz: ignored"
+            self.log.report(ReportKind.PROTOCOL, "JASC", detail, self._time.now)
+            return False
+        self._rates[name] = int(rate)
+        return True
