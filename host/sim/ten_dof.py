@@ -15,9 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from boards.chips.world import ImuWorld
+from host.sim.errors.inertial_sensor import InertialSensor
 from host.sim.seeding import generator
+from host.sim.trajectory.kinematics import C_NB, HEIGHT, LATITUDE, LONGITUDE
 from host.sim.truth import TruthBatch
-from host.sim.vehicle_field import StaticPressure, VehicleField
+from host.sim.vehicle_field import StaticPressure, VehicleField, attitude_matrices
 
 Array = NDArray[np.float64]
 
@@ -52,11 +54,27 @@ class FeltTenDof:
 
     def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> Array:
         """Force (3), rate (3), temperature, field (3), pressure at rising times."""
-        truth = self._truth(times_ns)
-        noise = self._gain * self._noise.standard_normal((len(times_ns), 4))
         values = np.empty((len(times_ns), 11))
-        values[:, :7] = self._imu.sample(times_ns, bandwidth_hz)
-        values[:, 7:10] = self._field.on_board(truth) @ self._c_bs
+        place, c_nb = self._feel_motion(times_ns, bandwidth_hz, values)
+        noise = self._gain * self._noise.standard_normal((len(times_ns), 4))
+        values[:, 7:10] = self._field.felt(self._field.true(place, c_nb)) @ self._c_bs
         values[:, 7:10] += self._bias + FIELD_DENSITY * math.sqrt(bandwidth_hz) * noise[:, :3]
-        values[:, 10] = self._pressure.at(times_ns, truth.height) + PRESSURE_NOISE_PA * noise[:, 3]
+        values[:, 10] = self._pressure.at(times_ns, place[2]) + PRESSURE_NOISE_PA * noise[:, 3]
         return values
+
+    def _feel_motion(
+        self, times_ns: NDArray[np.int64], bandwidth_hz: float, values: Array
+    ) -> tuple[tuple[Array, Array, Array], Array]:
+        """Fill the inertial sensor's columns; returns latitudes, longitudes, heights and C_n_b (n, 3, 3).
+
+        A simulated sensor and its place come out of one look at the truth."""
+        imu = self._imu
+        if isinstance(imu, InertialSensor):
+            times_ns = np.ascontiguousarray(times_ns, dtype=np.int64)
+            rows = imu.road(times_ns)
+            values[:, :7] = imu.measured(times_ns, rows, bandwidth_hz)
+            place = rows[:, LATITUDE], rows[:, LONGITUDE], rows[:, HEIGHT]
+            return place, rows[:, C_NB : C_NB + 9].reshape(-1, 3, 3)
+        values[:, :7] = imu.sample(times_ns, bandwidth_hz)
+        truth = self._truth(times_ns)
+        return (truth.latitude, truth.longitude, truth.height), attitude_matrices(truth)

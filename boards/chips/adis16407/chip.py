@@ -209,8 +209,10 @@ class Adis16407:
             self._check_burst(start_ns, end_ns)
         self._ended_ns = end_ns
         sampler = core.sampler
-        if start_ns >= sampler.next_ns or start_ns >= core.done_ns:
+        if start_ns >= core.done_ns:
             core.advance(start_ns)
+        elif start_ns >= sampler.next_ns:
+            core.sample(start_ns)
         if core.unread != ALL_UNREAD or core.diagnosis or core.overrides:
             return self._words(mosi, start_ns)
         core.unread = 0

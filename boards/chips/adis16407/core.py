@@ -86,10 +86,10 @@ class Core:
         """Bring everything up to a time."""
         while self.done_ns <= time_ns:
             done_ns, action = self.done_ns, self._action
-            self._sample(done_ns)
+            self.sample(done_ns)
             self.done_ns, self._action, self._updating = FAR, _nothing, False
             action(done_ns)
-        self._sample(time_ns)
+        self.sample(time_ns)
 
     def external(self, time_ns: int) -> None:
         """An edge of the external clock."""
@@ -99,7 +99,8 @@ class Core:
             self.diagnosis |= flags | self._trouble
             self.unread = self.unread if self.sampler.halted else ALL_UNREAD
 
-    def _sample(self, time_ns: int) -> None:
+    def sample(self, time_ns: int) -> None:
+        """Bring the samples up to a time at which no command has ended."""
         if self.sampler.next_ns <= time_ns:
             self.diagnosis |= self.sampler.advance(time_ns) | self._trouble
             self.unread = ALL_UNREAD

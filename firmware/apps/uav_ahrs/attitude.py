@@ -7,7 +7,7 @@ carries attitude, velocity and position over 8 ms, and the drift compensation fo
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -34,19 +34,16 @@ class Attitude:
         """Of the plausibility of bursts."""
         self.record: NDArray[np.int64] = np.zeros(at.OUT_SIZE, np.int64)
         self._before: NDArray[Any] = np.zeros(at.S_SIZE, kernels.dtype)
-        self._words: NDArray[np.int64] = np.zeros(WORDS, np.int64)
+        self.burst_words: NDArray[np.int64] = np.zeros(WORDS, np.int64)
+        """Of the burst read last."""
         kernels.configure(self.s, self.i, config)
         self._before[:] = self.s
-        self._take = kernels.take_burst
+        self.take_burst: Callable[..., int] = kernels.take_burst
+        """(s, i, k, raw, burst_words): a burst as the driver has it; returns what was noticed, and READY."""
         self._iteration = kernels.iteration
         self._solution = kernels.solution
         self._drift = kernels.new_drift(config) if config.drift_compensation else None
         self._correct = kernels.correct
-
-    def take(self, raw: NDArray[np.uint8]) -> int:
-        """A burst as the driver has it; returns what was noticed, and `steps.READY`."""
-        take = self._take
-        return take(self.s, self.i, self.k, raw, self._words)
 
     def iterate(self) -> int:
         """An iteration; returns 1, 0 or `steps.SPOILT`."""
@@ -86,7 +83,7 @@ class Attitude:
     @property
     def words(self) -> list[int]:
         """Of the burst read last, as they came."""
-        told: list[int] = self._words.tolist()
+        told: list[int] = self.burst_words.tolist()
         return told
 
     def spoil(self) -> None:

@@ -50,12 +50,12 @@ class Output:
     def send(self) -> None:
         """The solution at the output rate."""
         record = self._attitude.solve()
-        mode, flags = int(record[at.OUT_MODE]), int(record[at.OUT_FLAGS])
+        _, mode, flags, *_, bias_x, bias_y, bias_z = record[at.OUT_HEIGHT : OUT_LAST].tolist()
         now_ns = self._clock.now_ns()
         if flags & DOUBTFUL:
             self._doubt_until_ns = now_ns + DOUBT_NS
         self.mode = self._mode(mode, now_ns)
-        self.gyro_bias = max(map(abs, record[at.OUT_GYRO_BIAS : at.OUT_GYRO_BIAS + 3].tolist()))
+        self.gyro_bias = max(abs(bias_x), abs(bias_y), abs(bias_z))
         age_us = self._sensor.sample_age_us()
         if age_us is None:
             age_us = UNKNOWN_AGE
@@ -129,4 +129,5 @@ class Output:
             self.dropped += count
 
 
+OUT_LAST = at.OUT_GYRO_BIAS + 3
 STALE, NO_ANSWER, SLIPPED = (fl.NOTICE_NAMES.index(name) for name in ("stale", "no_answer", "slipped"))

@@ -22,7 +22,7 @@ LARGEST_ERROR: Final = NOMINAL_PERIOD // 25
 """4 % of the period: a clock further off is no clock of this chip."""
 SETTLED_SPAN_NS: Final = 300_000_000
 LONGEST_SPAN_NS: Final = 8_000_000_000
-LONGEST_PAUSE_NS: Final = (1_000_000_000, 370_000_000)
+LONGEST_PAUSE_NS: Final = (2_500_000_000, 1_300_000_000)
 """In turn: a clock that is off by whole periods in the one is not in the other."""
 UNKNOWN: Final = -1
 

@@ -57,6 +57,8 @@ class Sensor:
         self._clock = io.clock
         self._cpu = io.cpu
         self._attitude = attitude
+        self._take = attitude.take_burst
+        self._raw = self.chip.raw
         self._wants_self_test = self_test
         self._nothing: NDArray[np.uint8] = np.zeros(BURST_LENGTH, np.uint8)
         self._answers = False
@@ -142,12 +144,13 @@ class Sensor:
     def _on_timer(self) -> None:
         self.read_at_ns = self._clock.now_ns()
         self.reads += 1
-        chip = self.chip
+        attitude, take = self._attitude, self._take
         if self._answers:
-            chip.read()
-            found = self._attitude.take(chip.raw)
+            self.chip.read()
+            raw = self._raw
         else:
-            found = self._attitude.take(self._nothing)
+            raw = self._nothing
+        found = take(attitude.s, attitude.i, attitude.k, raw, attitude.burst_words)
         self._cpu.spend(self._cost)
         if found & READY:
             self.ready()

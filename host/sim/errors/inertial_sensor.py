@@ -63,6 +63,11 @@ class InertialSensor:
         self._slow: dict[int, Array] = {}
         self._output_changes = specimen.output.changes
 
+    def road(self, times_ns: NDArray[np.int64]) -> Array:
+        """Rows of truth (n, 24) at rising times, as `measured` takes them."""
+        assert self._motion is not None
+        return self._motion.rows(times_ns)
+
     def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> Array:
         """Force (3), rate (3), temperature at rising times; see `boards.chips.world.ImuWorld.sample`."""
         assert self._motion is not None
