@@ -53,10 +53,10 @@ class HeardSets(Sequence[HeardFrame]):
         """Of all frames, interframe spaces included."""
         self.sender = sender
 
-    @functools.cached_property
+    @property
     def identifiers(self) -> NDArray[np.int64]:
-        """Of every frame."""
-        return np.tile(np.array(self.set_identifiers), len(self.ends_ns) // len(self.set_identifiers))
+        """Of every frame; not to be written to."""
+        return _repeated(self.set_identifiers, len(self.ends_ns) // len(self.set_identifiers))
 
     def __len__(self) -> int:
         return len(self.ends_ns)
@@ -72,6 +72,13 @@ class HeardSets(Sequence[HeardFrame]):
     def __getitem__(self, index: slice) -> list[HeardFrame]: ...
     def __getitem__(self, index: int | slice) -> HeardFrame | list[HeardFrame]:
         return list(self)[index]
+
+
+@functools.lru_cache(16)
+def _repeated(identifiers: tuple[int, ...], times: int) -> NDArray[np.int64]:
+    repeated = np.tile(np.array(identifiers, np.int64), times)
+    repeated.flags.writeable = False
+    return repeated
 
 
 class CanBursts:

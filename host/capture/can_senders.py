@@ -20,7 +20,10 @@ def with_senders(records: bytes, heard: Sequence[HeardFrame]) -> bytes:
     if not heard:
         return b""
     if isinstance(heard, HeardSets):
-        return _of_one_sender(np.frombuffer(records, FULL_CAN_RECORD), _encoded(heard.sender))
+        told = _blank_sets(len(heard), _encoded(heard.sender), heard.set_identifiers)
+        told["end_ns"] = heard.ends_ns
+        told["data"] = np.frombuffer(heard.data, "S8")
+        return bytes(told.tobytes())
     names = {name for _frame, _end, name in heard}
     if (
         len(names) == 1
@@ -55,6 +58,14 @@ def _of_one_sender(records: Any, sender: bytes) -> bytes:
     for name in ("end_ns", "identifier", "data"):
         told[name] = records[name]
     return told.tobytes()
+
+
+@functools.lru_cache(KEPT_BLANKS)
+def _blank_sets(count: int, sender: bytes, identifiers: tuple[int, ...]) -> Any:
+    """The same with identifiers, of sets with these."""
+    blank = _blank(count, sender).copy()
+    blank["identifier"] = np.resize(identifiers, count)
+    return blank
 
 
 @functools.lru_cache(KEPT_BLANKS)
