@@ -15,6 +15,7 @@ from typing import Any, BinaryIO
 from zlib import crc32
 
 import lz4.frame
+import numpy as np
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.records import (
@@ -32,6 +33,7 @@ from mcap.records import (
     SummaryOffset,
 )
 from mcap.writer import MCAP0_MAGIC
+from numpy.typing import NDArray
 
 COMPRESSION = b"lz4"
 RECORD_HEAD = Struct("<BQ")
@@ -49,6 +51,19 @@ CHUNK_INDEX_END = Struct(f"<QI{len(COMPRESSION)}sQQ")
 FOOTER_START = Struct("<BQQQ")
 FOOTER_FIELDS = 20
 NO_TIME = 1 << 63
+MESSAGE_HEADS = np.dtype(
+    [
+        ("opcode", "u1"),
+        ("length", "<u8"),
+        ("channel", "<u2"),
+        ("sequence", "<u4"),
+        ("log_ns", "<u8"),
+        ("publish_ns", "<u8"),
+    ]
+)
+"""MESSAGE_HEAD, side by side."""
+Integers = NDArray[np.int64]
+Octets = NDArray[np.uint8]
 
 
 class McapFile:
@@ -128,6 +143,35 @@ class McapFile:
             self._last_ns = time_ns
         chunk += MESSAGE_HEAD.pack(Opcode.MESSAGE, MESSAGE_FIELDS + len(data), channel, 0, time_ns, time_ns)
         chunk += data
+
+    def add_messages(self, channel: int, times_ns: Integers, texts: Octets, ends: Integers) -> None:
+        """Many messages of one channel at once: `ends` tells where each one ends in `texts`."""
+        count = len(ends)
+        if not count:
+            return
+        heads = np.zeros(count, MESSAGE_HEADS)
+        heads["opcode"], heads["channel"] = Opcode.MESSAGE, channel
+        heads["length"] = MESSAGE_FIELDS + np.diff(ends, prepend=0)
+        heads["log_ns"] = heads["publish_ns"] = times_ns
+        size = MESSAGE_HEADS.itemsize
+        begins = size * np.arange(count) + np.concatenate(([0], ends[:-1]))
+        entries = np.empty((count, 2), "<u8")
+        entries[:, 0], entries[:, 1] = times_ns, len(self._chunk) + begins
+        self._indexes.setdefault(channel, bytearray()).extend(entries.tobytes())
+        records = np.empty(size * count + ends[-1], np.uint8)
+        is_text = np.ones(len(records), np.bool_)
+        places = begins[:, None] + np.arange(size)
+        is_text[places] = False
+        records[places] = heads.view(np.uint8).reshape(count, size)
+        records[is_text] = texts[: ends[-1]]
+        self._chunk += records.tobytes()
+        self._first_ns = min(self._first_ns, int(times_ns.min()))
+        self._last_ns = max(self._last_ns, int(times_ns.max()))
+
+    @property
+    def waiting_bytes(self) -> int:
+        """Of the chunk at work."""
+        return len(self._chunk)
 
     def flush(self) -> None:
         """Write the chunk at work, if there are messages in it, and hand everything to the system."""

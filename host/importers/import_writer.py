@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-from mcap.writer import CompressionType, Writer
 
 from host.capture.blocks import ENCODING, SCHEMAS
 from host.capture.location_fix import LOCATION_FIX, Fixes
 from host.capture.location_fix import schema as location_fix_schema
+from host.capture.mcap_file import McapFile
 from host.capture.topics import EVENTS, event_schema, table_schema
 from host.capture.writer import CAPTURE_FORMAT
 from host.importers.series import Integers, RawRecords, Rows, Series
@@ -47,10 +47,9 @@ class ImportWriter:
             self._file: BinaryIO = self.part.open("wb")
         except OSError as error:
             raise UserError(f"-o {path}: cannot be written: {error.strerror}") from None
-        self._writer = Writer(self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.LZ4)
-        self._writer.start(profile="navtwin", library="navtwin")
+        self._writer = McapFile(self._file, profile="navtwin", library="navtwin")
         text = json.dumps(manifest, indent=1, sort_keys=True).encode()
-        self._writer.add_attachment(0, 0, "manifest.json", "application/json", text)
+        self._writer.add_attachment("manifest.json", "application/json", text)
         self._writer.add_metadata("capture", {"format": CAPTURE_FORMAT})
 
     def rows(self, rows: Rows) -> None:
@@ -66,12 +65,11 @@ class ImportWriter:
         channel, text = self._rows[series]
         times_ns = rows.times_ns - self.origin_ns
         table = np.column_stack((times_ns / 1e9, rows.values))
-        add = self._writer.add_message
-        for t_ns, message in zip(np.maximum(times_ns, 0).tolist(), text.texts(table), strict=True):
-            add(channel, t_ns, message, t_ns)
+        self._writer.add_messages(channel, np.maximum(times_ns, 0), *text.block(table))
         self._note(series.topic, len(rows), int(times_ns[-1]))
         if series.topic in FIXES:
             self._write_fixes(series, times_ns, table)
+        self._end_chunk()
 
     def raw(self, raw: RawRecords) -> None:
         """Raw records, each as a message of its own portion of time."""
@@ -81,14 +79,15 @@ class ImportWriter:
         times = [time_ns - self.origin_ns for time_ns, _ in raw.records]
         block = b"".join([record(t_ns) for t_ns, (_, record) in zip(times, raw.records, strict=True)])
         first_ns = max(times[0], 0)
-        self._writer.add_message(self._raw[raw.topic], first_ns, block, first_ns)
+        self._writer.add_message(self._raw[raw.topic], first_ns, block)
         self._note(raw.topic, len(times), max(times))
+        self._end_chunk()
 
     def event(self, source: str, text: str) -> None:
         """Something worth telling, at the end."""
         channel = self._channel(EVENTS[0], "json", EVENTS[1], event_schema())
         message = {"t_s": self.last_ns / 1e9, "source": source, "text": text}
-        self._writer.add_message(channel, self.last_ns, json.dumps(message).encode(), self.last_ns)
+        self._writer.add_message(channel, self.last_ns, json.dumps(message).encode())
 
     def close(self, summary: Mapping[str, str]) -> None:
         """End the file and give it its name. Raises UserError."""
@@ -116,8 +115,12 @@ class ImportWriter:
             self._fixes[topic] = channel, Fixes.of_columns(series.table.columns)
         channel, fixes = self._fixes[topic]
         for t_ns, message in fixes.texts(table):
-            self._writer.add_message(channel, t_ns, message, t_ns)
+            self._writer.add_message(channel, t_ns, message)
             self._note(FIXES[topic], 1, t_ns)
+
+    def _end_chunk(self) -> None:
+        if self._writer.waiting_bytes >= CHUNK_BYTES:
+            self._writer.flush()
 
     def _note(self, topic: str, count: int, last_ns: int) -> None:
         self.counts[topic] = self.counts.get(topic, 0) + count

@@ -46,9 +46,9 @@ class Standstill:
             run.last_ns = int(rows.times_ns[first - 1])
         self._end(run)
         edges = np.append(changes, len(values))
-        for begin, end in zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True):
-            if end - begin < LEAST_ROWS and end < len(values):
-                continue
+        is_long = np.diff(edges) >= LEAST_ROWS
+        is_long[-1] = True  # it may go on in the next rows
+        for begin, end in zip(edges[:-1][is_long].tolist(), edges[1:][is_long].tolist(), strict=True):
             run.value, run.rows = float(values[begin]), end - begin
             run.begin_ns, run.last_ns = int(rows.times_ns[begin]), int(rows.times_ns[end - 1])
             run.place = int(rows.places[begin])

@@ -104,7 +104,8 @@ class TurnCheck:
         if not len(angles):
             return
         self._angle_deg = float(angles[-1])
-        for t, angle in zip(times[1:].tolist(), angles.tolist(), strict=True):
+        due = times[1:] >= (self._angles[-2] + ANGLE_EACH_S if self._angles else -np.inf)
+        for t, angle in zip(times[1:][due].tolist(), angles[due].tolist(), strict=True):
             if not self._angles or t - self._angles[-2] >= ANGLE_EACH_S:
                 self._angles.extend((t, angle))
 

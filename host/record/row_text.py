@@ -47,6 +47,10 @@ class RowText:
         out, ends = self._write(rows)
         return out[: ends[-1]].tobytes() if len(rows) else b""
 
+    def block(self, rows: NDArray[np.float64]) -> tuple[NDArray[np.uint8], NDArray[np.int64]]:
+        """All rows one after another, and where each one ends."""
+        return self._write(rows)
+
     def texts(self, rows: NDArray[np.float64]) -> list[bytes]:
         """Each row by itself."""
         out, ends = self._write(rows)
