@@ -101,8 +101,12 @@ class Core:
 
     def sample(self, time_ns: int) -> None:
         """Bring the samples up to a time at which no command has ended."""
-        if self.sampler.next_ns <= time_ns:
-            self.diagnosis |= self.sampler.advance(time_ns) | self._trouble
+        sampler = self.sampler
+        if sampler.next_ns <= time_ns:
+            if not sampler.step(time_ns):
+                self.diagnosis |= sampler.advance(time_ns)
+            if self._trouble:
+                self.diagnosis |= self._trouble
             self.unread = ALL_UNREAD
 
     # -- supply and reset --------------------------------------------------------------------------

@@ -43,7 +43,7 @@ Integers = NDArray[np.int64]
 
 STRIDE: Final = 28
 FAR: Final = 1 << 62
-FIRST_BLOCK, BLOCK, LONGEST_NS = 64, 410, 4_000_000_000
+FIRST_BLOCK, BLOCK, LONGEST_NS = 64, 1024, 4_000_000_000
 MEMORY = 2 * 127 + 255
 """Samples before a block that its filter and alarms may look back at."""
 
@@ -171,14 +171,18 @@ class Sampler:
         """Gyro outputs in °/s."""
         return self._rates[self.row].tolist() if self.row >= 0 else self._held_rates
 
+    def step(self, time_ns: int) -> bool:
+        """Go on to a time within the block, where no sample raises a flag; False: this is another case."""
+        times = self.times
+        if not self.quiet or not times or time_ns >= times[-1] or self._clock is None:
+            return False
+        row = bisect_right(times, time_ns, self.row + 1)
+        self.row = row - 1
+        self.next_ns = times[row]
+        return True
+
     def advance(self, time_ns: int) -> int:
         """Go on to a time; returns the DIAG_STAT flags that the samples on the way raised."""
-        times = self.times
-        if self.quiet and times and time_ns < times[-1] and self._clock is not None:
-            row = bisect_right(times, time_ns, self.row + 1)
-            self.row = row - 1
-            self.next_ns = times[row]
-            return 0
         flags = 0
         while self.next_ns <= time_ns:
             if self.row + 1 >= len(self.times):

@@ -70,19 +70,26 @@ class Announcer:
             self._mode = output.mode
             output.send_text(f"mode: {modes.MODE_NAMES[self._mode]}")
         counts = self._attitude.notices()
+        if counts != self._counts or self._told:
+            self._look_at_counts(counts)
+        for name, reads in zip(TRIADS, self._attitude.still_reads(), strict=True):
+            if reads > STILL_READS or self._told:
+                self._tell(f"still_{name}", SEVERAL if reads > STILL_READS else 0)
+        if output.gyro_bias > LARGEST_BIAS or self._told:
+            self._tell("gyro_bias", SEVERAL if output.gyro_bias > LARGEST_BIAS else 0)
+        forces = self._attitude.forces_held()
+        if forces != self._forces or self._told:
+            self._tell("force_saturated", forces - self._forces)
+            self._forces = forces
+        if output.spoilt != self._spoilt:
+            self._spoilt = output.spoilt
+            output.send_text("state not a number, the last sound one put back")
+
+    def _look_at_counts(self, counts: list[int]) -> None:
         for name, now, before in zip(fl.NOTICE_NAMES, counts, self._counts, strict=True):
             if name in TROUBLE:
                 self._tell(name, now - before)
         self._counts = counts
-        for name, reads in zip(TRIADS, self._attitude.still_reads(), strict=True):
-            self._tell(f"still_{name}", SEVERAL if reads > STILL_READS else 0)
-        self._tell("gyro_bias", SEVERAL if output.gyro_bias > LARGEST_BIAS else 0)
-        forces = self._attitude.forces_held()
-        self._tell("force_saturated", forces - self._forces)
-        self._forces = forces
-        if output.spoilt != self._spoilt:
-            self._spoilt = output.spoilt
-            output.send_text("state not a number, the last sound one put back")
 
     def look_at_bus(self) -> None:
         """Once a second: how many bursts contradicted those before?"""

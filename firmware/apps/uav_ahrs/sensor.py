@@ -32,6 +32,7 @@ LOOK_AGE_NS = 66_000
 """From the renewal of the outputs until `await_sample` returns, on the mean: two and a half words."""
 QUIET_NS = 1_200_000
 """Later after a read there is not enough time for other words before the next one."""
+BEFORE_NS = 150_000
 SILENT_READS = 75
 """0.3 s without a sample: the sensor is set up anew. (A reset of its own takes 0.21 s.)"""
 
@@ -119,7 +120,12 @@ class Sensor:
         return self._answers and self._clock.now_ns() >= self.phase.next_look_ns
 
     def look_for_sample(self) -> None:
-        """When do the samples come?"""
+        """When do the samples come? Where that is known well, looking begins shortly before."""
+        phase = self.phase
+        if phase.is_settled:
+            ahead_ns = (phase.period >> 16) - phase.age_ns(self._clock.now_ns()) - BEFORE_NS
+            if ahead_ns > 0:
+                self._cpu.delay(ahead_ns)
         if self.chip.await_sample():
             self.phase.renewed(self._clock.now_ns() - LOOK_AGE_NS)
 
