@@ -47,9 +47,9 @@ def fused_problems(kernel: str, ir: str, assembly: str) -> Iterator[Problem]:
 
 
 def belongs_to_fixed_point(kernel: str) -> bool:
-    """Whether a kernel has to do without floating point: those in a package `fixed`, and samples named so."""
+    """Whether a kernel has to do without floating point: by its package or module, a sample by its name."""
     *packages, name = kernel.split(".")
-    return "fixed" in packages or name.startswith("in_fixed_point_")
+    return bool({"fixed", "fixed_steps"} & set(packages)) or name.startswith("in_fixed_point_")
 
 
 def floating_problems(kernel: str, which: str, ir: str, assembly: str) -> Iterator[Problem]:
