@@ -41,7 +41,7 @@ def test_everything_that_was_done_replays_to_the_same_state(tmp_path):
     lines = ("host=tcp://127.0.0.1:0", "gnss=tcp://127.0.0.1:0")
     with (
         ServedHere(
-            tmp_path / "out", *lines, duration_s=60.0, pace=12.0, cans=(f"virtual:{channel}",)
+            tmp_path / "out", *lines, duration_s=60.0, pace=30.0, cans=(f"virtual:{channel}",)
         ) as board,
         can.Bus(interface="virtual", channel=channel) as bus,
     ):

@@ -48,12 +48,12 @@ def test_eight_hours_at_full_speed_lose_and_reorder_nothing(tmp_path):
 
 
 def data_of(block: bytes) -> bytes:
-    """The bytes of UART records: end i64, n u32, n bytes."""
+    """The bytes of records of what a UART sent: end i64, baud u32, n u32, n bytes."""
     pieces, place = [], 0
     while place < len(block):
-        n = int.from_bytes(block[place + 8 : place + 12], "little")
-        pieces.append(block[place + 12 : place + 12 + n])
-        place += 12 + n
+        n = int.from_bytes(block[place + 12 : place + 16], "little")
+        pieces.append(block[place + 16 : place + 16 + n])
+        place += 16 + n
     return b"".join(pieces)
 
 

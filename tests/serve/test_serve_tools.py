@@ -57,7 +57,7 @@ def test_gpsd_recognises_the_receiver_and_tells_where_the_board_is(place, tmp_pa
     link = tmp_path / "gnss"
     uart = {"pty": f"pty:{link}", "tcp": "tcp://127.0.0.1:0"}[place]
     port = free_port()
-    with ServedHere(None, f"gnss={uart}", duration_s=1e6, pace=4.0) as board:
+    with ServedHere(None, f"gnss={uart}", duration_s=1e6, pace=10.0) as board:
         board.control.ask("resume")
         board.control.until(6.0)
         device = str(link) if place == "pty" else board.places["gnss"]
@@ -81,14 +81,15 @@ def first_fix(port: int) -> dict:
     """The first report of gpsd with a three-dimensional fix, as gpspipe prints it."""
     end = time.monotonic() + 40.0
     while time.monotonic() < end:
-        done = subprocess.run(
-            ["gpspipe", "-w", "-n", "30", "-x", "8", f"127.0.0.1:{port}"], capture_output=True, text=True
-        )
-        for line in done.stdout.splitlines():
-            report = json.loads(line)
-            if report.get("class") == "TPV" and report.get("mode") == 3 and "lat" in report:
-                return report
-        time.sleep(0.2)
+        command = ["gpspipe", "-w", "-n", "200", "-x", "20", f"127.0.0.1:{port}"]
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as pipe:
+            assert pipe.stdout is not None
+            for line in pipe.stdout:
+                report = json.loads(line)
+                if report.get("class") == "TPV" and report.get("mode") == 3 and "lat" in report:
+                    pipe.kill()
+                    return report
+        time.sleep(0.1)
     raise AssertionError("gpsd told no fix within 40 s")
 
 
