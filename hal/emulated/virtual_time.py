@@ -125,22 +125,26 @@ class VirtualTime:
 
     def put_away(self, entry: list[Any], again: int | None) -> None:
         """Take out the event that has run, or put it where it belongs now."""
+        heap = self.heap
+        if again is not None and heap[0] is entry and again >= self.now:
+            entry[0] = again
+            self._created = entry[2] = self._created + 1
+            heapreplace(heap, entry)
+        else:
+            self._put_away_from_within(entry, again)
+        self.next_due = self.limit = heap[0][0]
+
+    def _put_away_from_within(self, entry: list[Any], again: int | None) -> None:
+        """The same of an event that is over, was released or has a more urgent one before it by now."""
         if again is not None and again < self.now:
             raise ValueError(f"event repeats at {again} ns, before now ({self.now} ns)")
-        heap = self.heap
-        if entry[2] != RELEASED:
-            if again is None:
-                self._take_out(entry)
-            else:
-                self._created += 1
-                if heap[0] is entry:
-                    entry[0], entry[2] = again, self._created
-                    heapreplace(heap, entry)
-                else:
-                    self._take_out(entry)
-                    entry[0], entry[2] = again, self._created
-                    heappush(heap, entry)
-        self.next_due = self.limit = heap[0][0]
+        if entry[2] == RELEASED:
+            return
+        self._take_out(entry)
+        if again is not None:
+            self._created += 1
+            entry[0], entry[2] = again, self._created
+            heappush(self.heap, entry)
 
     def _take_out(self, entry: list[Any]) -> None:
         """Also when a more urgent one stands before it by now."""
