@@ -25,6 +25,7 @@ from host.cli.inverse_command import inverse_command
 from host.cli.monitor_command import monitor_command
 from host.cli.new_command import app as new_app
 from host.cli.plain_text import PLAINLY
+from host.cli.proof_command import proof_command
 from host.cli.replay_command import replay_command
 from host.cli.serve_command import EPILOG as SERVE_EPILOG
 from host.cli.serve_command import serve_command
@@ -187,6 +188,7 @@ app.command("simulate")(simulate_command)
 app.command("inverse")(inverse_command)
 app.command("allan")(allan_command)
 app.command("evaluate")(evaluate_command)
+app.command("proof")(proof_command)
 app.command("attitude")(attitude_command)
 
 

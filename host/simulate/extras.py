@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from host.record.errors import UserError
 
 
-def must_have(module: str, command: str) -> None:
+def must_have(module: str, command: str, remedy: str = "pip install 'navtwin[sim]'") -> None:
     """Raises UserError that tells how to install what is missing."""
     if find_spec(module) is None:
-        raise UserError(f"{command} needs {module}, which is not installed: pip install 'navtwin[sim]'")
+        raise UserError(f"{command} needs {module}, which is not installed: {remedy}")

@@ -55,14 +55,15 @@ def simulate(
             if writer is not None:
                 writer.add_block(block)
                 _add_epochs(drive, writer, due)
-                _add_ambients(drive, writer, told_ns, end_ns)
+            _add_ambients(drive, writer, told_ns, end_ns)
             told_ns = end_ns
             if progress is not None:
                 progress(end_ns / NS, drive.duration_ns / NS)
         rest = epochs.until(drive.duration_ns)
         if writer is not None:
             _add_epochs(drive, writer, rest)
-            _add_ambients(drive, writer, told_ns, drive.duration_ns)
+        _add_ambients(drive, writer, told_ns, drive.duration_ns)
+        if writer is not None:
             writer.finish()
     wall_s = time.perf_counter() - begin
     return Simulated(samples, drive.epochs, drive.duration_ns / NS, wall_s, tuple(files.paths))
@@ -76,8 +77,8 @@ def _add_epochs(drive: Drive, writer: Writer, epochs: list[Epoch]) -> None:
         writer.add_side(BASELINE_NAME, drive.baseline_rows(epochs))
 
 
-def _add_ambients(drive: Drive, writer: Writer, after_ns: int, end_ns: int) -> None:
+def _add_ambients(drive: Drive, writer: Writer | None, after_ns: int, end_ns: int) -> None:
     for ambient in drive.ambients:
         rows = drive.ambient_rows(ambient, after_ns, end_ns)
-        if len(rows):
+        if len(rows) and writer is not None:
             writer.add_side(ambient.sensor.name, rows)

@@ -1,0 +1,1 @@
+"""The simulator's figures beside those of its document, each measured anew: `navtwin proof`."""
