@@ -25,7 +25,7 @@ NANO = 1_000_000_000
 
 
 class Attitude:
-    """State and entry points; every method is one kernel call, or two with the drift compensation."""
+    """State and entry points; every method is one kernel call."""
 
     def __init__(self, kernels: AttitudeKernels, config: AttitudeConfig) -> None:
         self.s: NDArray[Any] = np.zeros(at.S_SIZE, kernels.dtype)
@@ -40,20 +40,14 @@ class Attitude:
         self._before[:] = self.s
         self.take_burst: Callable[..., int] = kernels.take_burst
         """(s, i, k, raw, burst_words): a burst as the driver has it; returns what was noticed, and READY."""
-        self._iteration = kernels.iteration
+        self._iteration: Callable[..., int] = kernels.iteration
         self._solution = kernels.solution
-        self._drift = kernels.new_drift(config) if config.drift_compensation else None
-        self._correct = kernels.correct
+        self._drift = kernels.new_drift(config)
 
     def iterate(self) -> int:
         """An iteration; returns 1, 0 or `steps.SPOILT`."""
-        iteration, drift = self._iteration, self._drift
-        made = iteration(self.s, self.i, self._before)
-        if drift is not None and made:
-            correct = self._correct
-            assert correct is not None
-            correct(self.s, self.i, *drift)
-        return made
+        iteration = self._iteration
+        return iteration(self.s, self.i, self._before, *self._drift)
 
     def solve(self) -> NDArray[np.int64]:
         """The record of the present state (`layout.OUT_…`); what was noticed before is forgotten."""
@@ -92,7 +86,7 @@ class Attitude:
 
     def memory(self) -> bytes:
         """All of it, as it lies there."""
-        drift = b"" if self._drift is None else b"".join(array.tobytes() for array in self._drift)
+        drift = b"".join(array.tobytes() for array in self._drift)
         return self.s.tobytes() + self.i.tobytes() + self.k.tobytes() + drift
 
 

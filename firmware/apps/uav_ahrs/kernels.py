@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.apps.uav_ahrs import fixed_steps
+from firmware.apps.uav_ahrs.holding import HOLDING_SIZE
 from firmware.nav.attitude.config import AttitudeConfig, configure
 from firmware.nav.attitude.fixed import loop as fixed_loop
 from firmware.nav.attitude.fixed.config import configure as configure_fixed
@@ -20,22 +21,24 @@ from firmware.numerics.precision import load
 class AttitudeKernels:
     """Entry kernels of the attitude computer. ValueError for an arithmetic that does not exist."""
 
-    def __init__(self, arithmetic: str) -> None:
+    def __init__(self, arithmetic: str, compensated: bool) -> None:
+        """`compensated`: the drift compensation follows each iteration."""
         fixed = arithmetic == "fixed"
         self.dtype: Any = np.dtype("int32" if fixed else arithmetic)
         steps = fixed_steps if fixed else load("firmware.apps.uav_ahrs.steps", arithmetic)
         loop = fixed_loop if fixed else load("firmware.nav.attitude.loop", arithmetic)
         self.configure = configure_fixed if fixed else configure
         self.take_burst = entry_point(steps.take_burst)
-        self.iteration = entry_point(steps.iteration)
+        self.iteration = entry_point(steps.corrected_iteration if compensated else steps.iteration)
+        """(s, i, before, …), what follows as `new_drift` gives it."""
         self.solution = entry_point(loop.solution)
-        self.correct = (
-            None if fixed else entry_point(load("firmware.nav.drift.correction", arithmetic).correct)
-        )
+        self._compensated = compensated
 
-    def new_drift(self, config: AttitudeConfig) -> tuple[NDArray[Any], NDArray[np.int64]]:
-        """Memory of the drift compensation."""
+    def new_drift(self, config: AttitudeConfig) -> tuple[NDArray[Any], ...]:
+        """Memory of the drift compensation; nothing without it."""
+        if not self._compensated:
+            return ()
         settings = DriftSettings(
             rate_range=math.radians(config.gyro_range_dps), declination=config.declination
         )
-        return new_state(settings, self.dtype)
+        return (*new_state(settings, self.dtype), np.zeros(HOLDING_SIZE, self.dtype))

@@ -32,7 +32,7 @@ class UavAhrs:
     def __init__(self, io: BoardIo, settings: Settings, installation: Mapping[str, Any]) -> None:
         self._io = io
         self._settings = settings
-        self._kernels = AttitudeKernels(settings.arithmetic)
+        self._kernels = AttitudeKernels(settings.arithmetic, settings.drift_compensation)
         self._config = attitude_config(settings, installation)
         self._attitude: Attitude | None = None
 

@@ -7,6 +7,7 @@ from typing import Final
 
 import numpy as np
 
+from firmware.apps.uav_ahrs.holding import give_back, withhold_force
 from firmware.apps.uav_ahrs.plausibility import (
     FAILED_ROW,
     LOST_READS,
@@ -19,6 +20,7 @@ from firmware.nav.attitude import flags as fl
 from firmware.nav.attitude import layout as at
 from firmware.nav.attitude.burst_words import WORDS, look_at
 from firmware.nav.attitude.loop import bridge, iterate, take_words
+from firmware.nav.drift.correction import correct
 from firmware.numerics.dialect import kernel
 
 HOLD_READS: Final = 25
@@ -127,3 +129,14 @@ def iteration(s, i, before):
         spoilt = True
     remember(s, before)
     return np.int64(SPOILT) if spoilt else made
+
+
+@kernel("int64(float32[::1], int64[::1], float32[::1], float32[::1], int64[::1], float32[::1])")
+def corrected_iteration(s, i, before, d, m, g):
+    """`iteration`, and the drift compensation behind it. `d`, `m`: its memory; `g`: of `holding`."""
+    made = iteration(s, i, before)
+    if made != np.int64(0):
+        withhold_force(s, g)
+        correct(s, i, d, m)
+        give_back(s, g)
+    return made
