@@ -19,6 +19,7 @@ from pathlib import Path
 
 import pytest
 
+from host.recovery.whole_reader import WholeReader
 from host.replay.request import ReplayRequest
 from host.replay.strict import replay_strict
 
@@ -124,6 +125,26 @@ def test_over_tcp_there_is_no_rate_and_the_boards_changes_count_once_each(tmp_pa
     assert told["baud"] is None
     assert 1 <= told["rate_changes"] <= 20
     assert told["epochs_used"] >= 2
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("after_s", [1.3, 4.1, 7.7])
+def test_a_kill_leaves_rows_up_to_the_last_second(after_s, tmp_path, double):
+    name = str(tmp_path / "ttyGPS")
+    double("simulated_receiver.py", name)
+    process = start(tmp_path, name, "--seconds", "60")
+    wait_until_it_runs(tmp_path)
+    time.sleep(after_s)
+    process.kill()
+    process.communicate()
+    capture = tmp_path / "out" / "run.mcap.part"
+    reader = WholeReader(capture)
+    solutions = [one.time_ns for one in reader if getattr(one, "topic", "") == "/solution"]
+    replayed = replay_strict(ReplayRequest(capture))
+    assert replayed.ok
+    assert after_s - 2.0 < replayed.duration_s
+    assert replayed.duration_s - solutions[-1] / 1e9 < 0.5
+    assert not reader.notes
 
 
 def relay(listener: socket.socket, terminal: int) -> None:

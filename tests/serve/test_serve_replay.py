@@ -12,6 +12,7 @@ import pytest
 from served_board import Served, ServedHere
 from typer.testing import CliRunner
 
+from host.capture.overview import look_over
 from host.capture.reader import CaptureReader, Decoded
 from host.cli.main import app
 from host.recovery.whole_reader import WholeReader
@@ -105,9 +106,12 @@ def test_the_pace_and_pauses_change_nothing_of_what_the_board_does(tmp_path):
     assert len(hashes) == 1
 
 
-@pytest.mark.parametrize("moment_s", [2.3])
+@pytest.mark.parametrize(
+    "moment_s", [2.3, *(pytest.param(one, marks=pytest.mark.soak) for one in (0.95, 5.9, 11.2, 17.7, 26.4))]
+)
 def test_after_kill_minus_nine_the_capture_is_there_and_replays(moment_s, tmp_path):
-    with Served(tmp_path / "out", "--uart", "host=tcp://127.0.0.1:0", paused=False) as board:
+    options = ("--uart", "host=tcp://127.0.0.1:0", "--pace", "4")
+    with Served(tmp_path / "out", *options, paused=False) as board:
         board.connect("host").sendall(b"hello")
         board.control.ask("inject", kind="can-disturbance", target="can1", duration_s=0.3)
         board.control.until(moment_s)
@@ -118,6 +122,7 @@ def test_after_kill_minus_nine_the_capture_is_there_and_replays(moment_s, tmp_pa
     assert replayed.difference is None
     assert not replayed.capture_complete
     assert moment_s - replayed.duration_s < 1.0
+    assert look_over(WholeReader(capture)).recorded_s == replayed.duration_s
     assert commands_of(capture)[0]["command"] == "inject"
     solutions = [r.time_ns for r in WholeReader(capture) if getattr(r, "topic", "") == "/solution"]
     assert replayed.duration_s - solutions[-1] / 1e9 < 0.5
