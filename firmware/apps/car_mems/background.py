@@ -57,9 +57,8 @@ class Background:
         io.timers["background"].start(RATE_HZ, self._tick_line)
         done = 0
         while True:
-            wait()
-            if self._ticks == done:
-                continue
+            while self._ticks == done:
+                wait()
             done = self._ticks
             io.watchdog.kick()
             self._gnss.service()
