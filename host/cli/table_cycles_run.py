@@ -11,6 +11,7 @@ from host.cli.table_run import chosen
 from host.cli.terminal import print_section
 from host.compare.cost import PRICED, Cost, cost_of
 from host.compare.cost_page import kinds_section, methods_section, section, to_dict
+from host.compare.lanes import compensates
 from host.compare.source import from_run
 from host.compare.word_stream import bursts_of
 from host.record.result import RunRequest
@@ -30,9 +31,11 @@ def show_cycles(arithmetic: str, updates: bool, json_file: str | None, quiet: bo
     request = RunRequest(BOARD, scenario="flight", profile=arithmetics[0], overrides=(FLIGHT,))
     with from_run(request) as source:
         bursts = list(bursts_of(source.capture))
-        costs = [cost_of(one, source.config, bursts) for one in arithmetics]
+        plain, compensated = (replace(source.config, drift_compensation=on) for on in (False, True))
+        asked = [(one, config) for one in arithmetics for config in (plain, compensated)]
+        costs = [cost_of(*one, bursts) for one in asked if compensates(one[0]) or one[1] is plain]
         if updates:
-            configs = [replace(source.config, method=method) for method in METHOD_NAMES]
+            configs = [replace(plain, method=method) for method in METHOD_NAMES]
             others = [cost_of(one, config, bursts) for config in configs for one in arithmetics]
     console = for_people(json_file)
     if not quiet:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
+from itertools import product
 from pathlib import Path
 
 from boards.hints import did_you_mean
@@ -13,6 +14,7 @@ from host.campaign.plan import parse_seeds
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.output_files import check_files, for_people, write_json
 from host.cli.terminal import print_section
+from host.compare.lanes import compensates
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 from host.sim.seeding import LARGEST_SEED
@@ -99,14 +101,10 @@ def _measured(
     seed: int,
     compensated: bool,
 ) -> Iterator[AngleRow]:
-    for feed in feeds:
-        for row in wanted:
-            for arithmetic in arithmetics:
-                yield (
-                    chip_row(row, arithmetic, seed, compensated)
-                    if feed == CHIP
-                    else ideal_row(row, arithmetic)
-                )
+    """An arithmetic that has no drift compensation is measured without."""
+    able = {name: compensated and compensates(name) for name in arithmetics}
+    for feed, row, name in product(feeds, wanted, arithmetics):
+        yield chip_row(row, name, seed, able[name]) if feed == CHIP else ideal_row(row, name)
 
 
 def _wanted_rows(asked: AskedAngles) -> list[DocumentRow]:
@@ -139,9 +137,13 @@ def show_drift(asked: AskedDrift, output: Path | None, json_file: str | None, qu
     check_files(("-o", output), ("--json", json_file))
     drifts = [
         stop_drift(arithmetic, seeds, compensation == "on")
-        for compensation in compensations
-        for arithmetic in arithmetics
+        for compensation, arithmetic in product(compensations, arithmetics)
+        if compensation == "off" or compensates(arithmetic)
     ]
+    if not drifts:
+        raise UserError(
+            f"--arithmetic {asked.arithmetic}: has no drift compensation; for example --compensation off"
+        )
     console = for_people(json_file)
     if not quiet:
         print_section(console, drift_section(drifts))

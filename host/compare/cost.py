@@ -10,6 +10,7 @@ from firmware.apps.uav_ahrs.kernels import AttitudeKernels
 from firmware.apps.uav_ahrs.steps import READY
 from firmware.nav.attitude.config import AttitudeConfig
 from firmware.numerics.dialect import entries_named
+from host.compare.lanes import compensates
 from host.compare.word_stream import Bursts
 from host.cycles.estimate import Cycles, PricedKernel
 from host.record.errors import UserError
@@ -33,37 +34,40 @@ class Cost:
 
     arithmetic: str
     method: str
+    compensated: bool
+    """Whether the drift compensation is part of an iteration."""
     calls: dict[str, Cycles]
     """By the name of the entry kernel."""
 
     @property
     def solution(self) -> float:
-        """Cycles from the words to the angles: two bursts, an iteration, its correction, the record."""
+        """Cycles from the words to the angles: two bursts, an iteration, the record."""
         return sum(one.per_call * BURSTS.get(name, 1) for name, one in self.calls.items())
 
 
 def cost_of(arithmetic: str, config: AttitudeConfig, stream: Iterable[Bursts]) -> Cost:
     """Run the iterations of a stream, at most MOST, with priced kernels. Raises UserError without any."""
-    kernels, priced = _priced_kernels(arithmetic)
-    compensated = config.drift_compensation and kernels.correct is not None
-    attitude = Attitude(kernels, replace(config, drift_compensation=compensated))
+    compensated = config.drift_compensation and compensates(arithmetic)
+    kernels, priced = _priced_kernels(arithmetic, compensated)
+    one = Attitude(kernels, replace(config, drift_compensation=compensated))
     made = 0
     for some in stream:
         for raw in some.raw:
-            if attitude.take(raw) & READY and attitude.iterate():
-                attitude.solve()
+            if one.take_burst(one.s, one.i, one.k, raw, one.burst_words) & READY and one.iterate():
+                one.solve()
                 made += 1
         if made >= MOST:
             break
     if not made:
         raise UserError("no iteration to price: the alignment never ended; give some seconds of rest first")
-    return Cost(arithmetic, config.method, {name: one.cycles() for name, one in priced.items()})
+    calls = {name: kernel.cycles() for name, kernel in priced.items()}
+    return Cost(arithmetic, config.method, compensated, calls)
 
 
-def _priced_kernels(arithmetic: str) -> tuple[AttitudeKernels, dict[str, PricedKernel]]:
+def _priced_kernels(arithmetic: str, compensated: bool) -> tuple[AttitudeKernels, dict[str, PricedKernel]]:
     """Kernels whose entry points count what they cost, and those by name."""
     with entries_named():
-        kernels = AttitudeKernels(arithmetic)
+        kernels = AttitudeKernels(arithmetic, compensated)
     priced: dict[str, PricedKernel] = {}
     for name, found in vars(kernels).items():
         if hasattr(found, "compile_declared"):

@@ -13,7 +13,6 @@ from host.report.summary import Section
 LABELS = {
     "take_burst": "take_burst: 14 words looked at, converted, into the ring",
     "iteration": "iteration: attitude, velocity, position over 8 ms",
-    "correct": "correct: drift compensation",
     "solution": "solution: the record of angles, rates, velocity, position",
 }
 
@@ -29,12 +28,16 @@ def section(costs: Sequence[Cost]) -> Section:
     made.append(("document's solution", "", *_cells(DOCUMENT_S * CLOCK_HZ) * len(costs)))
     columns = ["kernel", "calls"]
     for one in costs:
-        columns += [f"{one.arithmetic}, cycles", "µs"]
+        columns += [f"{_name(one)}, cycles", "µs"]
     note = (
         f"Estimated for a C28x at {CLOCK_HZ / 1e6:g} MHz from the kernels' intermediate code; the mean of all"
         f" calls (docs/uav_ahrs.md tells how). Update: {costs[0].method}."
     )
     return Section("Cycles", tuple(columns), tuple(made), note=note)
+
+
+def _name(cost: Cost) -> str:
+    return f"{cost.arithmetic}, compensated" if cost.compensated else cost.arithmetic
 
 
 def _ran(cost: Cost, name: str) -> bool:
@@ -81,6 +84,7 @@ def to_dict(cost: Cost) -> dict[str, Any]:
     return {
         "arithmetic": cost.arithmetic,
         "update": cost.method,
+        "compensated": cost.compensated,
         "clock_hz": CLOCK_HZ,
         "solution_cycles": cost.solution,
         "solution_s": cost.solution / CLOCK_HZ,

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware.apps.uav_ahrs import fixed_steps
 from firmware.apps.uav_ahrs.attitude import Attitude
 from firmware.apps.uav_ahrs.kernels import AttitudeKernels
 from firmware.apps.uav_ahrs.steps import READY
 from firmware.nav.attitude import layout as at
 from firmware.nav.attitude.config import AttitudeConfig
 from firmware.nav.attitude.flags import SATURATION_NAMES
-from firmware.numerics.dialect import entries_named
 from host.compare.word_stream import Bursts
 
 Integers = NDArray[np.int64]
@@ -30,8 +30,7 @@ class Solutions:
 
 def compensates(arithmetic: str) -> bool:
     """Whether the board's drift compensation exists in this arithmetic."""
-    with entries_named():
-        return AttitudeKernels(arithmetic).correct is not None
+    return arithmetic != "fixed" or hasattr(fixed_steps, "corrected_iteration")
 
 
 class Lane:
@@ -40,17 +39,17 @@ class Lane:
     def __init__(self, arithmetic: str, config: AttitudeConfig) -> None:
         self.arithmetic = arithmetic
         self.iterations = 0
-        self._attitude = Attitude(AttitudeKernels(arithmetic), config)
+        self._attitude = Attitude(AttitudeKernels(arithmetic, config.drift_compensation), config)
 
     def take(self, bursts: Bursts) -> Solutions:
         """Go on by some bursts."""
-        attitude = self._attitude
+        one = self._attitude
         made = np.zeros(len(bursts), np.bool_)
         records = np.zeros((len(bursts), at.OUT_SIZE), np.int64)
         for place, raw in enumerate(bursts.raw):
-            if attitude.take(raw) & READY and attitude.iterate():
+            if one.take_burst(one.s, one.i, one.k, raw, one.burst_words) & READY and one.iterate():
                 made[place] = True
-                records[place] = attitude.solve()
+                records[place] = one.solve()
         self.iterations += int(made.sum())
         return Solutions(made, records)
 

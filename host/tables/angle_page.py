@@ -9,6 +9,7 @@ from typing import Any
 
 from host.report.charts import FUSED, GNSS, OUTAGE_LINE, TRUTH, Chart, dots, line
 from host.report.html import chart_block, chart_scripts, document, table
+from host.report.numbers import NONE
 from host.report.summary import MET, NOT_MET, Section
 from host.tables.angle_rows import CHIP, IDEAL, AngleRow
 from host.tables.positions import HOLD_S, RATE_DPS, STEEP_DEG
@@ -27,45 +28,30 @@ def sections(rows: Sequence[AngleRow]) -> list[Section]:
 
 def summary(rows: Sequence[AngleRow]) -> Section:
     """The worst row of each table."""
-    ordered = sorted(rows, key=lambda row: (row.feed, row.document.axis, row.arithmetic))
     made = []
-    for (feed, axis, arithmetic), found in groupby(
-        ordered, key=lambda row: (row.feed, row.document.axis, row.arithmetic)
-    ):
+    for (feed, axis, arithmetic), found in groupby(sorted(rows, key=_of_table), key=_of_table):
         group = list(found)
         worst = max(group, key=lambda row: row.worst_deg)
         printed = max(row.document.worst_deg for row in group)
         verdict = MET if all(row.met for row in group) else NOT_MET
-        made.append(
-            (
-                *(axis, feed, arithmetic, str(len(group)), f"{printed:.3f}"),
-                *(
-                    _figure(worst.worst_deg, feed),
-                    f"{worst.document.angle_deg:g}",
-                    f"< {worst.goal_deg:g}",
-                    verdict,
-                ),
-            )
-        )
-    columns = (
-        "axis",
-        "feed",
-        "arithmetic",
-        "rows",
-        "document's worst, °",
-        "ours, °",
-        "at, °",
-        "goal, °",
-        "verdict",
-    )
-    return Section("Angles of the rotary table: worst rows", columns, tuple(made), words=3)
+        ours = (_figure(worst.worst_deg, feed), f"{worst.document.angle_deg:g}", f"< {worst.goal_deg:g}")
+        compensation = NONE if feed == IDEAL else "on" if worst.compensated else "off"
+        words = (axis, feed, arithmetic, compensation)
+        made.append((*words, str(len(group)), f"{printed:.3f}", *ours, verdict))
+    columns = ("axis", "feed", "arithmetic", "compensation", "rows", "document's worst, °")
+    title = "Angles of the rotary table: worst rows"
+    return Section(title, (*columns, "ours, °", "at, °", "goal, °", "verdict"), tuple(made), words=4)
+
+
+def _of_table(row: AngleRow) -> tuple[str, str, str]:
+    return row.feed, row.document.axis, row.arithmetic
 
 
 def _section(feed: str, axis: str, rows: list[AngleRow]) -> Section:
     arithmetics = list(dict.fromkeys(row.arithmetic for row in rows))
-    columns = ["set, °", "document pitch", "roll", "yaw", "worst, °"]
+    columns = ["set, °", "document pitch", "roll", "yaw", "worst"]
     for arithmetic in arithmetics:
-        columns += [f"{arithmetic} pitch", "roll", "yaw", "worst, °"]
+        columns += [f"{arithmetic} pitch", "roll", "yaw", "worst"]
     made = []
     by_angle = groupby(sorted(rows, key=lambda row: row.document.angle_deg), key=lambda row: row.document)
     for printed, found in by_angle:
@@ -83,6 +69,9 @@ def _section(feed: str, axis: str, rows: list[AngleRow]) -> Section:
         f"{TITLES[feed].capitalize()}. From level at {RATE_DPS:g} °/s; the largest error within {HOLD_S:g} s"
         " of rest, each angle where it was farthest off."
     )
+    if feed == CHIP:
+        able = {row.arithmetic: "on" if row.compensated else "off" for row in rows}
+        note += f" Drift compensation: {', '.join(f'{name} {able[name]}' for name in arithmetics)}."
     if axis == "pitch":
         note += f" ∠: from {STEEP_DEG:g}° on the total rotation is scored."
     return Section(f"Turned about {axis}: {feed}", (*columns, "verdict"), tuple(made), words=0, note=note)
@@ -100,6 +89,7 @@ def to_dict(row: AngleRow) -> dict[str, Any]:
         "set_deg": printed.angle_deg,
         "feed": row.feed,
         "arithmetic": row.arithmetic,
+        "compensated": row.compensated,
         "measured_deg": dict(zip(("pitch", "roll", "yaw"), row.measured_deg, strict=True)),
         "error_deg": dict(zip(("pitch", "roll", "yaw"), row.error_deg, strict=True)),
         "rotation_deg": row.rotation_deg,

@@ -24,6 +24,8 @@ class AngleRow:
     document: DocumentRow
     feed: str
     arithmetic: str
+    compensated: bool
+    """Whether the board's drift compensation was on; with exact rates there is none."""
     measured_deg: tuple[float, float, float]
     """Pitch, roll, yaw where each was farthest off."""
     error_deg: tuple[float, float, float]
@@ -52,10 +54,10 @@ class AngleRow:
         return self.worst_deg < self.goal_deg
 
 
-def scored(document: DocumentRow, feed: str, arithmetic: str, measured: Array, truth: Array) -> AngleRow:
+def scored(document: DocumentRow, how: tuple[str, str, bool], measured: Array, truth: Array) -> AngleRow:
     """Of the solutions in the hold: (n, 3) pitch, roll, yaw in rad, and the true ones at the same times.
 
-    ValueError when there are none.
+    `how`: feed, arithmetic, whether compensated. ValueError when there are no solutions.
     """
     if not len(measured):
         raise ValueError("no solutions in the hold")
@@ -67,6 +69,4 @@ def scored(document: DocumentRow, feed: str, arithmetic: str, measured: Array, t
         errors.append(float(np.degrees(abs(off[place, angle]))))
     rotation = float(np.degrees(np.max(rotation_between(measured, truth))))
     pitch, roll, yaw = shown
-    return AngleRow(
-        document, feed, arithmetic, (pitch, roll, yaw), (errors[0], errors[1], errors[2]), rotation
-    )
+    return AngleRow(document, *how, (pitch, roll, yaw), (errors[0], errors[1], errors[2]), rotation)

@@ -25,7 +25,7 @@ def ideal_row(document: DocumentRow, arithmetic: str, method: str = "rk4") -> An
     config = level_at(float(np.radians(PLACE["latitude_deg"])), PLACE["height_m"], method)
     made = compute(arithmetic, config, samples)
     held = times_ns[2::2] > times_ns[-1] - round(HOLD_S * 1e9)
-    return scored(document, IDEAL, arithmetic, made.angles[held], truth[2::2][held])
+    return scored(document, (IDEAL, arithmetic, False), made.angles[held], truth[2::2][held])
 
 
 def _felt(scenario: Scenario) -> tuple[Array, NDArray[np.int64], Array]:

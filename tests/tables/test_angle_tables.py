@@ -33,6 +33,8 @@ def row_of(axis: str, angle: float) -> Any:
     return next(row for row in document_rows(axis) if row.angle_deg == angle)
 
 
+FLOWN, FED = (CHIP, "float32", True), (IDEAL, "float32", False)
+
 # -- scoring ---------------------------------------------------------------------------------------
 
 
@@ -43,8 +45,7 @@ def degrees(*rows: tuple[float, float, float]) -> Any:
 def test_angles_are_wrapped() -> None:
     row = scored(
         row_of("yaw", 360),
-        CHIP,
-        "float32",
+        FLOWN,
         degrees((0, 0, 359.8), (0, 0, 0.1)),
         degrees((0, 0, 0)) * [[1]] * 2,
     )
@@ -55,21 +56,21 @@ def test_angles_are_wrapped() -> None:
 
 def test_a_row_at_its_goal_misses_it() -> None:
     truth = degrees((30.0, 0.0, 0.0))
-    assert not scored(row_of("pitch", 30), CHIP, "float32", degrees((30.5000001, 0.0, 0.0)), truth).met
-    assert scored(row_of("pitch", 30), CHIP, "float32", degrees((30.49, 0.0, 0.0)), truth).met
-    assert not scored(row_of("pitch", 30), IDEAL, "float32", degrees((30.06, 0.0, 0.0)), truth).met
-    assert not scored(row_of("pitch", 30), CHIP, "float32", degrees((float("nan"), 0.0, 0.0)), truth).met
+    assert not scored(row_of("pitch", 30), FLOWN, degrees((30.5000001, 0.0, 0.0)), truth).met
+    assert scored(row_of("pitch", 30), FLOWN, degrees((30.49, 0.0, 0.0)), truth).met
+    assert not scored(row_of("pitch", 30), FED, degrees((30.06, 0.0, 0.0)), truth).met
+    assert not scored(row_of("pitch", 30), FLOWN, degrees((float("nan"), 0.0, 0.0)), truth).met
 
 
 def test_steep_rows_are_scored_by_the_total_rotation() -> None:
     """At pitch 90° yaw and roll turn about one axis: 40° of both is no rotation at all."""
-    row = scored(row_of("pitch", 90), CHIP, "float32", degrees((89.9, 40.0, 40.0)), degrees((90.0, 0.0, 0.0)))
+    row = scored(row_of("pitch", 90), FLOWN, degrees((89.9, 40.0, 40.0)), degrees((90.0, 0.0, 0.0)))
     assert row.is_steep
     assert row.error_deg[1:] == pytest.approx((40.0, 40.0))
     assert row.worst_deg == pytest.approx(0.1, abs=0.001)
     assert row.met
-    assert not scored(row_of("pitch", 70), CHIP, "float32", degrees((70, 4, 4)), degrees((70, 0, 0))).is_steep
-    assert not scored(row_of("roll", 90), CHIP, "float32", degrees((0, 90, 0)), degrees((0, 90, 0))).is_steep
+    assert not scored(row_of("pitch", 70), FLOWN, degrees((70, 4, 4)), degrees((70, 0, 0))).is_steep
+    assert not scored(row_of("roll", 90), FLOWN, degrees((0, 90, 0)), degrees((0, 90, 0))).is_steep
 
 
 def test_total_rotation_is_that_of_another_library() -> None:
