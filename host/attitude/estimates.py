@@ -9,15 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.nav.drift import layout as at
+from firmware.nav.drift.fixed import settings as fixed
+from firmware.nav.drift.fixed.fusion import step as fixed_step
 from firmware.nav.drift.settings import DriftSettings, new_state
 from firmware.numerics.dialect import entry_point
 from firmware.numerics.precision import load
 from host.attitude.recording import AttitudeRecording
 from host.attitude.scoring import east_north_up
+from host.record.errors import UserError
 
 Floats = NDArray[np.float64]
 
-ARITHMETICS: Final = ("float32", "float64")
+FIXED: Final = "fixed"
+ARITHMETICS: Final = ("float32", FIXED, "float64")
+TESLA_PER_MICROTESLA: Final = 1.0e-6
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,7 +40,12 @@ class Estimate:
 def by_drift_filter(
     recording: AttitudeRecording, settings: DriftSettings, arithmetic: str = "float32"
 ) -> Estimate:
-    """Our filter, fed with the recording's samples as they are."""
+    """Our filter, fed with the recording's samples as they are.
+
+    UserError when the fixed-point filter does not work at the recording's rate.
+    """
+    if arithmetic == FIXED:
+        return _in_fixed_point(recording, settings)
     rows = np.column_stack(
         (np.full(len(recording), recording.interval), recording.omega, recording.force, recording.field)
     )
@@ -60,3 +70,20 @@ def run_filter(
         quaternions[row] = attitude
         flags[row] = k[at.FLAGS]
     return quaternions, flags
+
+
+def _in_fixed_point(recording: AttitudeRecording, settings: DriftSettings) -> Estimate:
+    try:
+        d, k = fixed.new_state(recording.interval, settings)
+    except ValueError as error:
+        raise UserError(f"{recording.name}: --arithmetic fixed: {error}") from None
+    step = entry_point(fixed_step)
+    field = recording.field * TESLA_PER_MICROTESLA
+    samples = fixed.samples(np.column_stack((recording.omega, recording.force, field)))
+    quaternions = np.empty((len(samples), 4))
+    flags = np.empty(len(samples), np.int64)
+    for row in range(len(samples)):
+        step(d, k, samples[row])
+        quaternions[row] = fixed.attitude(d)
+        flags[row] = k[at.FLAGS]
+    return Estimate(east_north_up(quaternions), (flags & at.SATURATED) != 0, len(samples))

@@ -11,9 +11,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from host.attitude.estimates import TESLA_PER_MICROTESLA
 from host.attitude.recording import AttitudeRecording, Floats
 
-TESLA_PER_MICROTESLA = 1.0e-6
 CELSIUS = 25.0
 SEA_LEVEL_PA = 101_325.0
 

@@ -31,8 +31,8 @@ from firmware.nav.drift.settings import DriftSettings
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.spi import EmulatedSpiBus, SpiTiming
 from hal.emulated.virtual_time import VirtualTime
-from host.attitude.estimates import Estimate, run_filter
-from host.attitude.recorded_motion import TESLA_PER_MICROTESLA, RecordedMotion
+from host.attitude.estimates import TESLA_PER_MICROTESLA, Estimate, run_filter
+from host.attitude.recorded_motion import RecordedMotion
 from host.attitude.recording import AttitudeRecording, Floats
 from host.attitude.scoring import east_north_up
 

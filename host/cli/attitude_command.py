@@ -31,8 +31,8 @@ def attitude_command(
     ] = "vqf,imufusion",
     arithmetic: Annotated[
         str,
-        typer.Option("--arithmetic", metavar="LIST", help="Of float32, float64, for direct feed."),
-    ] = "float32",
+        typer.Option("--arithmetic", metavar="LIST", help="Of float32, fixed, float64, for direct feed."),
+    ] = "float32,fixed",
     gyro_delay_ms: Annotated[
         float,
         typer.Option(

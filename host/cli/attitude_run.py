@@ -33,7 +33,7 @@ def execute(choice: Choice, data: Path | None, json_file: str | None, quiet: boo
     """Returns the exit code. Raises UserError."""
     from firmware.nav.drift.settings import DriftSettings
     from host.attitude.comparison import FEEDS, compared, contenders, table, to_dict
-    from host.attitude.estimates import ARITHMETICS
+    from host.attitude.estimates import ARITHMETICS, FIXED
     from host.attitude.finding import find_recordings
     from host.attitude.peers import PEERS, is_installed
     from host.attitude.recording import read_recording
@@ -46,6 +46,8 @@ def execute(choice: Choice, data: Path | None, json_file: str | None, quiet: boo
     delay = choice.gyro_delay_ms
     if not (math.isfinite(delay) and 0.0 <= delay <= LONGEST_DELAY_MS):
         raise UserError(f"--gyro-delay {delay:g}: it lies in 0 … {LONGEST_DELAY_MS:g} ms, e.g. 2.6")
+    if delay > 0.0 and FIXED in arithmetics:
+        raise UserError("--gyro-delay is known to the float filters only: add --arithmetic float32")
     check_files(("--json", json_file))
     paths = find_recordings(choice.recordings, data)
     recordings = [read_recording(path) for path in paths]

@@ -1,0 +1,1 @@
+"""The drift compensation in fixed point, for a constant sample period."""
