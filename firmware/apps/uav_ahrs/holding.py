@@ -58,8 +58,10 @@ def begin(s, g):
 
 
 @kernel
-def withhold_force(s, g):
-    """Take the newest force away where it says nothing about the vertical; `give_back` returns it."""
+def withhold_force(s, g, regaining):
+    """Take the newest force away where it says nothing about the vertical; `give_back` returns it.
+
+    While the vertical is lost and being regained (`regaining`) a doubtful force is better than none."""
     if g[AT_REST] == ZERO:
         begin(s, g)
     share = s[at.PERIOD] / TAU
@@ -70,8 +72,8 @@ def withhold_force(s, g):
         square += g[RATE + n] * g[RATE + n]
     g[NORM] += share * (length(s, at.FORCE + at.NEWEST) - g[NORM])
     turns = square > RATE_LIMIT_SQUARE or abs(g[NORM] - g[AT_REST]) > NORM_LIMIT
-    g[IS_WITHHELD] = ONE if turns else ZERO
-    if turns:
+    g[IS_WITHHELD] = ONE if turns and not regaining else ZERO
+    if turns and not regaining:
         for n in range(np.int32(3)):
             g[WITHHELD + n] = s[at.FORCE + at.NEWEST + n]
             s[at.FORCE + at.NEWEST + n] = NAN

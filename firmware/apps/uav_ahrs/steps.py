@@ -20,6 +20,7 @@ from firmware.nav.attitude import flags as fl
 from firmware.nav.attitude import layout as at
 from firmware.nav.attitude.burst_words import WORDS, look_at
 from firmware.nav.attitude.loop import bridge, iterate, take_words
+from firmware.nav.drift import layout as drift
 from firmware.nav.drift.correction import correct
 from firmware.numerics.dialect import kernel
 
@@ -136,7 +137,7 @@ def corrected_iteration(s, i, before, d, m, g):
     """`iteration`, and the drift compensation behind it. `d`, `m`: its memory; `g`: of `holding`."""
     made = iteration(s, i, before)
     if made != np.int64(0):
-        withhold_force(s, g)
+        withhold_force(s, g, m[drift.FLAGS] & drift.REGAINING != 0)
         correct(s, i, d, m)
         give_back(s, g)
     return made
