@@ -175,8 +175,9 @@ class EmulatedSpiDevice:
         miso = self.slave.transaction(buffer, start, end)
         if len(miso) != length:
             raise ValueError(f"slave {self.name!r} answered {len(miso)} bytes to a transaction of {length}")
-        if self.observer is not None:
-            self.observer(start, end, buffer, miso)
+        observer = self.observer
+        if observer is not None:
+            observer(start, end, buffer, miso)
         if end < time.limit:
             time.now = end
             if self._high_ns:
