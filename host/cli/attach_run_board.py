@@ -16,10 +16,8 @@ from host.attach.board_source import BoardSource, CapturedBoard, capture_at, ope
 from host.attach.shadow import Shadow
 from host.cli.attach_screen import ended_by_signals, screen
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
-from host.cli.output_files import for_people, write_json
-from host.cli.run_command import Outputs, check_places
+from host.cli.output_files import check_files, for_people, write_json
 from host.record.errors import UserError
-from host.record.result import RunRequest
 from host.run.intake import HOST_PORT
 
 DEFAULT_BOARD = "car_mems"
@@ -41,7 +39,7 @@ class BoardRequest:
 
 def attach_board(request: BoardRequest, json_to: str | None, quiet: bool) -> int:
     """Attach, print, write; the exit code. Raises UserError for what the user can mend."""
-    check_places(RunRequest(request.board or DEFAULT_BOARD), Outputs(json_to, None, None, quiet))
+    check_files(("--json", json_to))
     capture = capture_at(request.port)
     if capture is None:
         setup = board_setup(request.board or DEFAULT_BOARD, request.profile, request.overrides)

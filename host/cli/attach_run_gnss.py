@@ -22,8 +22,7 @@ from host.attach.gnss_session import (
 from host.attach.receiver_port import ReceiverPort
 from host.cli.attach_screen import Screen, ended_by_signals, screen
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
-from host.cli.output_files import for_people, write_json
-from host.cli.run_command import Outputs, check_places
+from host.cli.output_files import check_files, for_people, write_json
 from host.cli.terminal import standard_error
 from host.record.errors import UserError
 from host.record.result import RunRequest
@@ -46,7 +45,7 @@ class GnssRequest:
 
 def attach_gnss(request: GnssRequest, json_to: str | None, quiet: bool) -> int:
     """Attach, print, write; the exit code. Raises UserError for what the user can mend."""
-    check_places(request.run, Outputs(json_to, None, None, quiet))
+    check_files(("--json", json_to))
     run, setup = _checked(request)
     console = for_people(json_to)
     error = standard_error()

@@ -18,7 +18,7 @@ from host.cli.capture_command import app as capture_app
 from host.cli.compare_command import compare_command
 from host.cli.diff_command import diff_command
 from host.cli.evaluate_command import evaluate_command
-from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage, whole_number
+from host.cli.exit_codes import EXIT_INTERRUPTED, UsageError, guarded, told_usage
 from host.cli.faults_command import faults_command
 from host.cli.import_command import import_command
 from host.cli.inverse_command import inverse_command
@@ -27,6 +27,7 @@ from host.cli.new_command import app as new_app
 from host.cli.plain_text import PLAINLY
 from host.cli.proof_command import proof_command
 from host.cli.replay_command import replay_command
+from host.cli.run_options import BoardName, Data, Figures, NoCapture, ProfileName, ScenarioName, Seed
 from host.cli.serve_command import EPILOG as SERVE_EPILOG
 from host.cli.serve_command import serve_command
 from host.cli.simulate_command import simulate_command
@@ -95,21 +96,10 @@ def boards_command(
 
 @app.command("run", epilog=EPILOG)
 def run_command(
-    board: Annotated[
-        str, typer.Argument(metavar="BOARD", help="A board's name, or a folder with a board.toml.")
-    ],
-    scenario: Annotated[
-        str | None, typer.Option("--scenario", "-s", metavar="NAME|FILE", help="Default: the board's own.")
-    ] = None,
-    profile: Annotated[
-        str | None, typer.Option("--profile", "-p", metavar="NAME", help="Default: the board's own.")
-    ] = None,
-    seed: Annotated[
-        int,
-        typer.Option(
-            "--seed", metavar="N", parser=whole_number, help="Of all noise; the same seed, the same bytes."
-        ),
-    ] = 1,
+    board: BoardName,
+    scenario: ScenarioName = None,
+    profile: ProfileName = None,
+    seed: Seed = 1,
     changes: Annotated[
         list[str] | None,
         typer.Option(
@@ -119,10 +109,7 @@ def run_command(
             "(board.pins.timepulse.wired=false) or the profile (profile.aiding=false). May be repeated.",
         ),
     ] = None,
-    data: Annotated[
-        Path | None,
-        typer.Option("--data", metavar="DIR", help="Real recordings. Default: NAVTWIN_DATA."),
-    ] = None,
+    data: Data = None,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -131,10 +118,7 @@ def run_command(
             help="Report, solution, capture. Default: runs/BOARD-SCENARIO-PROFILE-SEED.",
         ),
     ] = None,
-    json: Annotated[
-        str | None,
-        typer.Option("--json", metavar="FILE|-", help="All figures as JSON; - is standard output."),
-    ] = None,
+    json: Figures = None,
     junit: Annotated[
         Path | None, typer.Option("--junit", metavar="FILE", help="Expectations as JUnit XML, for CI.")
     ] = None,
@@ -143,7 +127,7 @@ def run_command(
     ] = None,
     baseline: Baseline = None,
     tolerance: Tolerance = "5%",
-    no_capture: Annotated[bool, typer.Option("--no-capture", help="Leave out run.mcap.")] = False,
+    no_capture: NoCapture = False,
     quiet: Annotated[bool, typer.Option("--quiet", "-q", help="No progress, no tables.")] = False,
 ) -> None:
     """Run a board through a scenario and judge it.

@@ -42,7 +42,8 @@ class Outputs:
 
 def execute(request: RunRequest, outputs: Outputs) -> int:
     """Run, write and print. Returns the exit code. Raises UserError for what the user got wrong."""
-    check_places(request, outputs)
+    check_data(request.data_dir)
+    check_files(("--json", outputs.json), ("--junit", outputs.junit), ("--markdown", outputs.markdown))
     tolerance = parse_tolerance(outputs.tolerance)
     baseline = None if outputs.baseline is None else read_baseline(outputs.baseline)
     request = with_folder(request)
@@ -100,8 +101,7 @@ def _write(result: RunResult, outputs: Outputs, command: str, comparison: Compar
         write_whole(outputs.markdown, run_summary(result, command, extra), "--markdown")
 
 
-def check_places(request: RunRequest, outputs: Outputs) -> None:
-    """Tell before a long run that its figures could not be written after it."""
-    if request.data_dir is not None and not request.data_dir.is_dir():
-        raise UserError(f"--data {request.data_dir}: no such folder; for example --data ~/recordings")
-    check_files(("--json", outputs.json), ("--junit", outputs.junit), ("--markdown", outputs.markdown))
+def check_data(folder: Path | None) -> None:
+    """Of recordings. Raises UserError for one that is not there."""
+    if folder is not None and not folder.is_dir():
+        raise UserError(f"--data {folder}: no such folder; for example --data ~/recordings")

@@ -7,7 +7,17 @@ from typing import Annotated
 
 import typer
 
-from host.cli.exit_codes import guarded, whole_number
+from host.cli.exit_codes import guarded
+from host.cli.run_options import (
+    BoardName,
+    ChangesAsInRun,
+    Data,
+    Figures,
+    NoCapture,
+    ProfileName,
+    ScenarioName,
+    Seed,
+)
 
 EPILOG = "\n".join(
     [
@@ -22,77 +32,70 @@ EPILOG = "\n".join(
 )
 
 
+Uarts = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--uart",
+        metavar="NAME=PLACE",
+        help="pty, pty:./gnss, tcp://127.0.0.1:5760 or rfc2217://127.0.0.1:4000. May be repeated.",
+    ),
+]
+Cans = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--can",
+        metavar="[NAME=]INTERFACE:CHANNEL",
+        help="An interface of python-can: socketcan:vcan0, slcan:/dev/ttyACM0, … May be repeated.",
+    ),
+]
+Pace = Annotated[float, typer.Option("--pace", metavar="K", help="1: real time; 0: as fast as it goes.")]
+Control = Annotated[
+    str | None,
+    typer.Option("--control", metavar="HOST:PORT", help="Commands as JSON lines, e.g. 127.0.0.1:5761."),
+]
+Paused = Annotated[bool, typer.Option("--paused", help="Wait for the command resume.")]
+Duration = Annotated[
+    str | None, typer.Option("--duration", metavar="S|endless", help="Default: the scenario's own.")
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        metavar="DIR",
+        help="Report, solution, capture. Default: runs/BOARD-SCENARIO-PROFILE-SEED-served.",
+    ),
+]
+Stall = Annotated[
+    float,
+    typer.Option("--stall", metavar="S", help="Pace 0: so long the run waits for a client that stalls."),
+]
+Remote = Annotated[bool, typer.Option("--allow-remote", help="Listen where other machines can reach it.")]
+Realtime = Annotated[
+    bool, typer.Option("--realtime", help="Ask the system for real-time priority (Linux, as root).")
+]
+Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Only places and the verdict.")]
+
+
 def serve_command(
-    board: Annotated[
-        str, typer.Argument(metavar="BOARD", help="A board's name, or a folder with a board.toml.")
-    ],
-    scenario: Annotated[
-        str | None, typer.Option("--scenario", "-s", metavar="NAME|FILE", help="Default: the board's own.")
-    ] = None,
-    uart: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--uart",
-            metavar="NAME=PLACE",
-            help="pty, pty:./gnss, tcp://127.0.0.1:5760 or rfc2217://127.0.0.1:4000. May be repeated.",
-        ),
-    ] = None,
-    can: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--can",
-            metavar="[NAME=]INTERFACE:CHANNEL",
-            help="An interface of python-can: socketcan:vcan0, slcan:/dev/ttyACM0, … May be repeated.",
-        ),
-    ] = None,
-    pace: Annotated[
-        float, typer.Option("--pace", metavar="K", help="1: real time; 0: as fast as it goes.")
-    ] = 1.0,
-    control: Annotated[
-        str | None,
-        typer.Option("--control", metavar="HOST:PORT", help="Commands as JSON lines, e.g. 127.0.0.1:5761."),
-    ] = None,
-    paused: Annotated[bool, typer.Option("--paused", help="Wait for the command resume.")] = False,
-    duration: Annotated[
-        str | None,
-        typer.Option("--duration", metavar="S|endless", help="Default: the scenario's own."),
-    ] = None,
-    profile: Annotated[
-        str | None, typer.Option("--profile", "-p", metavar="NAME", help="Default: the board's own.")
-    ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", parser=whole_number, help="Of all noise.")] = 1,
-    changes: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="KEY=VALUE", help="Change one value, as in navtwin run."),
-    ] = None,
-    data: Annotated[
-        Path | None,
-        typer.Option("--data", metavar="DIR", help="Real recordings. Default: NAVTWIN_DATA."),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option(
-            "--out",
-            metavar="DIR",
-            help="Report, solution, capture. Default: runs/BOARD-SCENARIO-PROFILE-SEED-served.",
-        ),
-    ] = None,
-    no_capture: Annotated[bool, typer.Option("--no-capture", help="Leave out run.mcap.")] = False,
-    stall: Annotated[
-        float,
-        typer.Option("--stall", metavar="S", help="Pace 0: so long the run waits for a client that stalls."),
-    ] = 10.0,
-    allow_remote: Annotated[
-        bool, typer.Option("--allow-remote", help="Listen where other machines can reach it.")
-    ] = False,
-    realtime: Annotated[
-        bool, typer.Option("--realtime", help="Ask the system for real-time priority (Linux, as root).")
-    ] = False,
-    json: Annotated[
-        str | None,
-        typer.Option("--json", metavar="FILE|-", help="All figures as JSON; - is standard output."),
-    ] = None,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only places and the verdict.")] = False,
+    board: BoardName,
+    scenario: ScenarioName = None,
+    uart: Uarts = None,
+    can: Cans = None,
+    pace: Pace = 1.0,
+    control: Control = None,
+    paused: Paused = False,
+    duration: Duration = None,
+    profile: ProfileName = None,
+    seed: Seed = 1,
+    changes: ChangesAsInRun = None,
+    data: Data = None,
+    out: Out = None,
+    no_capture: NoCapture = False,
+    stall: Stall = 10.0,
+    allow_remote: Remote = False,
+    realtime: Realtime = False,
+    json: Figures = None,
+    quiet: Quiet = False,
 ) -> None:
     """Run a board in real time and offer its UARTs and CAN buses to other programs.
 

@@ -14,8 +14,8 @@ from rich.live import Live
 from rich.text import Text
 
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
-from host.cli.output_files import for_people, write_json
-from host.cli.run_command import Outputs, check_places, with_folder
+from host.cli.output_files import check_files, for_people, write_json
+from host.cli.run_command import check_data, with_folder
 from host.cli.terminal import print_result, print_verdict, standard_error
 from host.record.errors import UserError
 from host.record.result import RunRequest, RunResult
@@ -57,7 +57,8 @@ def serve(request: RunRequest, wanted: Wanted, outputs: ServeOutputs) -> int:
     """Serve until the end, or until it is stopped. Returns the exit code. Raises UserError."""
     if not 0.0 < wanted.stall_s < math.inf:
         raise UserError(f"--stall {wanted.stall_s:g}: is no positive number of seconds; e.g. --stall 10")
-    check_places(request, Outputs(outputs.json, None, None, outputs.quiet))
+    check_data(request.data_dir)
+    check_files(("--json", outputs.json))
     request = _in_own_folder(request)
     error = standard_error()
     with _shown(outputs.quiet) as live:
