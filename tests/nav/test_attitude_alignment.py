@@ -109,6 +109,9 @@ def test_nulled_gyros_know_the_rate_of_the_earth(profile):
         ("gyro_range_dps", 250, "gyro_range_dps is 250; possible: 75, 150, 300"),
         ("C_b_s", (1.0, 2.0, 3.0), "9 numbers, row by row, of a rotation"),
         ("yaw", float("nan"), "yaw is nan"),
+        ("gyro_bias", (0.0, 0.0, 2.0), "gyro_bias[2] is 2.0; possible: -1 rad/s to 1 rad/s"),
+        ("rest_rate", -1.0, "rest_rate is -1.0; possible: 0 rad/s to 15 rad/s"),
+        ("most_field", float("inf"), "most_field is inf; possible: 0 T to 0.0009 T"),
     ],
 )
 def test_impossible_configuration_is_told(name, value, text):

@@ -57,6 +57,23 @@ def test_every_update_is_as_in_float64(method):
     assert rms(apart) < 1e-3
 
 
+@pytest.mark.parametrize("method", [name for name in METHOD_NAMES if name != "euler_angles"])
+@pytest.mark.parametrize("period", [0.0005, 0.02])
+def test_at_the_ends_of_the_formats_as_in_float64(method, period):
+    """15.5 rad/s and 500 m/s² on every axis at once, at the shortest and the longest period."""
+    rng = np.random.Generator(np.random.PCG64(2))
+    t = 0.5 * period * np.arange(801)
+    rates = 15.5 * np.sin(np.outer(t, (1.1, 2.3, 2.9)) + np.array([1.5, 1.0, 2.0]))
+    samples = np.column_stack((rates, rng.uniform(-500.0, 500.0, (801, 3)), np.zeros((801, 3))))
+    ours, reference = (
+        Ride(profile, config(method=method, period=period)).drive(samples) for profile in ("fixed", "float64")
+    )
+    assert angle_between_deg(ours.quaternion(), reference.quaternion()) < 5e-5
+    speed = (ours.record() - reference.record())[at.OUT_VELOCITY : at.OUT_VELOCITY + 3]
+    assert np.abs(speed).max() * 1e-6 < 2e-4
+    assert not ours.i[at.SATURATIONS : at.SATURATIONS + 8].any()
+
+
 def test_rate_far_below_a_unit_an_iteration_still_turns():
     """0.002 °/h in each gyro above the Earth's: 0.08 units of Q30 an iteration."""
     rate = 0.02 * DEG / 3600.0

@@ -80,6 +80,14 @@ class AttitudeConfig:
         if self.attitude is not None:
             for name, angle in zip(("yaw", "pitch", "roll"), self.attitude, strict=True):
                 _within(f"attitude {name}", angle, -2.0 * math.pi, 2.0 * math.pi, "rad")
+        for k in range(3):
+            _within(f"gyro_bias[{k}]", self.gyro_bias[k], -1.0, 1.0, "rad/s")
+            _within(f"accel_bias[{k}]", self.accel_bias[k], -50.0, 50.0, "m/s²")
+        _within("rest_rate", self.rest_rate, 0.0, 15.0, "rad/s")
+        _within("rest_force", self.rest_force, 0.0, 500.0, "m/s²")
+        _within("least_field", self.least_field, 0.0, self.most_field, "T")
+        _within("most_field", self.most_field, 0.0, 9.0e-4, "T")
+        _within("longest_bridge", self.longest_bridge, 0.0, 60.0, "s")
         matrix = np.array(self.C_b_s, np.float64)
         if matrix.shape != (9,) or not np.allclose(
             matrix.reshape(3, 3) @ matrix.reshape(3, 3).T, np.eye(3), atol=1e-6
