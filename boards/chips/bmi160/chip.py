@@ -284,9 +284,10 @@ class Bmi160(BusSide):
     def _feed_from(self, row: int) -> None:
         """The block's samples from `row` on, as their events want them."""
         data = self._core.data
-        instants = data.sampler.instants[row:]
-        fresh_to = instants + data.clock.numerator // data.clock.denominator
-        self._feed = zip(instants[1:].tolist(), fresh_to.tolist(), data.sampler.frames(row), strict=False)
+        sampler = data.sampler
+        fresh_to = sampler.instants[row:] + data.clock.numerator // data.clock.denominator
+        nexts = sampler.times[row + 1 :]
+        self._feed = zip(nexts, fresh_to.tolist(), sampler.frames(row), strict=False)
 
     def _data_ready(self) -> int | None:
         """Event: a new sample. The pulse ends when the data are read; only for a reader that does not read
