@@ -9,7 +9,6 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-import host.simulate
 from boards.hints import did_you_mean
 from boards.places import board_folder, board_names
 from host.cli.exit_codes import EXIT_MET
@@ -20,6 +19,7 @@ from host.record.errors import UserError
 from host.report.numbers import number
 from host.sim.scenario.load import load_scenario
 from host.sim.seeding import LARGEST_SEED
+from host.simulate.drives import DRIVES
 from host.simulate.formats.known import Format, chosen
 from host.simulate.job import Simulated, simulate
 from host.simulate.stream import Convention, Drive, Request, warm_up
@@ -29,7 +29,6 @@ LARGEST_RATE_HZ = 100_000
 SLOWEST_HZ = Fraction(1, 3600)
 LONGEST_LEVER_M = 100.0
 MOST_STEPS_TOLD = 1000
-DRIVES = Path(host.simulate.__file__).parent / "drives"
 
 
 @dataclass(frozen=True, slots=True)
