@@ -28,6 +28,7 @@ WARM_NS = SECOND
 """From the supply until the status says no more that it starts; a choice."""
 LATENCY_NS = 100_000
 """From the end of a period to the first bit of its frame; a choice."""
+BUFFER_BYTES = 2 * frames.LENGTH
 STANDARD_GRAVITY = 9.80665
 BITS_A_BYTE = 10
 
@@ -77,6 +78,8 @@ class SerialImu:
         self.name = name
         self.pins: dict[str, Net | None] = {}
         self.baud = baud
+        self.frames_dropped = 0
+        """Frames that found no room behind what the line still had to send."""
         self.log = AccessLog(name, strict=strict)
         self._time = time
         self._world = world
@@ -179,7 +182,11 @@ class SerialImu:
         """Event: a frame goes out; returns when the next one does."""
         if not self._block:
             self._fill()
-        self._tx.send(self._block.pop(0))
+        frame = self._block.pop(0)
+        if getattr(self._tx, "queued", 0) < BUFFER_BYTES:
+            self._tx.send(frame)
+        else:
+            self.frames_dropped += 1
         self._left = self._lefts[-len(self._block) - 1]
         self._sample += 1
         self._due_ns = max(self._time.now + 1, self._clock.instant(self._sample) + LATENCY_NS)
