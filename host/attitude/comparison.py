@@ -80,12 +80,12 @@ def table(results: Sequence[Result]) -> Section:
             for contender, score, n in averages(results)
         ]
         rows += means
-    columns = ("recording", "filter", "feed", "arithmetic", "total", "heading", "inclination")
+    columns = ("recording", "filter", "feed", "total", "heading", "inclination")
     return Section(
         "Attitude errors, RMS over the movement, °",
         (*columns, "saturated", "times", f"below {LIMIT_DEG:g}° again", "at the end"),
         tuple(rows),
-        words=4,
+        words=3,
         note="against the optical reference, as the BROAD data set defines them; nothing is fitted",
     )
 
@@ -125,8 +125,9 @@ def to_dict(results: Sequence[Result]) -> dict[str, Any]:
     }
 
 
-def _who(contender: Contender) -> tuple[str, str, str]:
-    return contender.filter, contender.feed, contender.arithmetic
+def _who(contender: Contender) -> tuple[str, str]:
+    arithmetic = f", {contender.arithmetic}" if contender.filter == OURS else ""
+    return contender.filter + arithmetic, contender.feed
 
 
 def _named(contender: Contender) -> dict[str, str]:

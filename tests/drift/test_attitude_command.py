@@ -45,9 +45,19 @@ def figures(outcome):
 
 def test_one_table_of_one_run(trial, tmp_path):
     np.savez(tmp_path / "other.npz", **arrays(2))
-    outcome = navtwin(trial, tmp_path / "other.npz", "--arithmetic", "float32,float64")
+    outcome = navtwin(trial, tmp_path / "other.npz", "--arithmetic", "float32,fixed,float64")
     assert outcome.exit_code == 0, outcome.output
-    for word in ("hand", "other", "navtwin", "bmi160", "adis16407", "float64", "mean of 2", "inclination"):
+    for word in (
+        "hand",
+        "other",
+        "navtwin",
+        "bmi160",
+        "adis16407",
+        "float64",
+        "fixed",
+        "mean of 2",
+        "inclination",
+    ):
         assert word in outcome.stdout
     for peer in peers.PEERS:
         assert (peer in outcome.stdout) == (importlib.util.find_spec(peer) is not None)
@@ -98,7 +108,7 @@ def test_a_peer_that_is_not_installed_is_left_out(trial, monkeypatch):
 
 
 def test_gyro_delay_is_taken(trial):
-    alone = ("--feed", "direct", "--beside", "none", "--json", "-", "-q")
+    alone = ("--feed", "direct", "--beside", "none", "--arithmetic", "float32", "--json", "-", "-q")
     plain, ahead = (
         figures(navtwin(trial, *alone, "--gyro-delay", delay))["results"][0]["total_rms_deg"]
         for delay in ("0", "20")
@@ -145,6 +155,7 @@ def test_wrong_arrays(tmp_path, change, message):
         (("--arithmetic", "float16", "TRIAL"), "--arithmetic float16"),
         (("--gyro-delay", "-1", "TRIAL"), "--gyro-delay -1: it lies in 0 … 100 ms"),
         (("--gyro-delay", "nan", "TRIAL"), "--gyro-delay nan"),
+        (("--gyro-delay", "3", "TRIAL"), "--gyro-delay is known to the float filters only"),
         (("--json", "/no/such/place.json", "TRIAL"), "the folder /no/such does not exist"),
         (("--data", "/no/such", "hand.npz"), "--data /no/such: no such folder"),
     ],

@@ -12,6 +12,8 @@ from firmware.nav.attitude import layout as loop_at
 from firmware.nav.attitude.config import AttitudeConfig
 from firmware.nav.attitude.profiles import load_loop
 from firmware.nav.drift import layout as at
+from firmware.nav.drift.fixed.correction import correct as fixed_correct
+from firmware.nav.drift.fixed.settings import new_state as fixed_state
 from firmware.nav.drift.settings import DriftSettings, new_state
 from firmware.numerics.precision import load
 from host.attitude.estimates import run_filter
@@ -19,6 +21,8 @@ from host.attitude.estimates import run_filter
 DEG = math.pi / 180.0
 BIAS = np.array([0.5, -0.4, 0.3]) * DEG
 RATE_HZ = 250.0
+UNIT = {"float32": 1.0, "float64": 1.0, "fixed": 2.0**30}
+"""Of a quaternion's components."""
 LOST = 2000
 """The sample where one test loses some."""
 
@@ -28,8 +32,12 @@ def through_loop(motion, *, compensated=True, lost=0, profile="float32"):
     loop = load_loop(profile)
     config = AttitudeConfig(latitude=0.9, alignment_time=3.0, null_gyros=compensated)
     s, i, _ = loop.new_state(config)
-    d, k = new_state(DriftSettings(rate_range=10.0), loop.dtype)
-    correct = load("firmware.nav.drift.correction", profile).correct
+    if profile == "fixed":
+        d, k = fixed_state(2.0 / RATE_HZ, DriftSettings(rate_range=10.0))
+        correct = fixed_correct
+    else:
+        d, k = new_state(DriftSettings(rate_range=10.0), loop.dtype)
+        correct = load("firmware.nav.drift.correction", profile).correct
     rows = loop.samples(np.column_stack((motion.omega_now, motion.force, 1e-6 * motion.field)))
     attitudes, numbers = [], []
     for number, row in enumerate(rows):
@@ -41,7 +49,7 @@ def through_loop(motion, *, compensated=True, lost=0, profile="float32"):
             continue
         if compensated:
             correct(s, i, d, k)
-        attitudes.append(s[loop_at.QUATERNION : loop_at.QUATERNION + 4].astype(np.float64))
+        attitudes.append(s[loop_at.QUATERNION : loop_at.QUATERNION + 4] / UNIT[profile])
         numbers.append(number)
     return np.array(attitudes), np.array(numbers), s, i, d, k
 
@@ -59,7 +67,7 @@ def errors_of(attitudes, numbers, motion, begin=0):
     return errors[begin:]
 
 
-@pytest.mark.parametrize("profile", ["float32", "float64"])
+@pytest.mark.parametrize("profile", ["float32", "float64", "fixed"])
 def test_the_loop_no_longer_drifts(motion, profile):
     with_filter, numbers, s, *_ = through_loop(motion, profile=profile)
     without, _, _, *_ = through_loop(motion, compensated=False, profile=profile)
@@ -67,7 +75,8 @@ def test_the_loop_no_longer_drifts(motion, profile):
     drifted = errors_of(without, numbers, motion, 4000)
     assert np.nanmax(held) < 1.5
     assert np.nanmax(drifted) > 3.0 * np.nanmax(held)
-    assert s[loop_at.GYRO_BIAS : loop_at.GYRO_BIAS + 3] == pytest.approx(BIAS, abs=0.08 * DEG)
+    bias = s[loop_at.GYRO_BIAS : loop_at.GYRO_BIAS + 3] / (2.0**27 if profile == "fixed" else 1.0)
+    assert bias == pytest.approx(BIAS, abs=0.08 * DEG)
 
 
 def test_it_waits_for_the_alignment():

@@ -93,16 +93,16 @@ def forget(d, k):
 
 @kernel
 def _gain(d, information):
-    """P I dt in Q40."""
-    weighted = product(np.int64(d[at.BIAS_VARIANCE]), information, 20)
-    return product(weighted, np.int64(d[at.PERIOD]), at.Q_VARIANCE + at.Q_PERIOD - 40)
+    """P I dt in Q32, at most 1."""
+    in_a_sample = product(information, np.int64(d[at.PERIOD]), 20 + at.Q_PERIOD - 30)
+    gain = product(np.int64(d[at.BIAS_VARIANCE]), in_a_sample, at.Q_VARIANCE + 30 - 32)
+    return min(gain, np.int64(1) << 32)
 
 
 @kernel
 def _shrink(d, k, information):
-    less = product(
-        _gain(d, information), np.int64(d[at.BIAS_VARIANCE]), 40 + at.Q_VARIANCE - at.Q_FINE_VARIANCE
-    )
+    gain = _gain(d, information)
+    less = product(gain, np.int64(d[at.BIAS_VARIANCE]), 32 + at.Q_VARIANCE - at.Q_FINE_VARIANCE)
     k[at.FINE_VARIANCE] = max(k[at.FINE_VARIANCE] - less, np.int64(1))
     _show_variance(d, k)
 
@@ -114,9 +114,8 @@ def _show_variance(d, k):
 
 @kernel
 def _move(d, k, axis, gain, error):
-    """One component of the bias; the gain is at most 1."""
-    gain = min(gain, np.int64(1) << 40)
-    moved = k[at.FINE_BIAS + axis] + product(gain, error, 40 + at.Q_BIAS - at.Q_FINE_BIAS)
+    """One component of the bias, by an error of at most twice LARGEST."""
+    moved = k[at.FINE_BIAS + axis] + product(gain, error, 32 + at.Q_BIAS - at.Q_FINE_BIAS)
     end = np.int64(LARGEST) << FINE
     k[at.FINE_BIAS + axis] = min(max(moved, -end), end)
     keep(d, k, at.GYRO_BIAS + axis, rounded_shift(k[at.FINE_BIAS + axis], FINE))

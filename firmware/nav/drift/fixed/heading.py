@@ -25,7 +25,9 @@ SMALLEST_PACE = in_q(1.0 / 25.0, at.Q_PACE)
 LARGEST_PACE = in_q(1.0 / 5.0, at.Q_PACE)
 LOST_PACE = in_q(100.0 / 58.0, at.Q_PACE)
 """A variance of (10°)²."""
-STEADY_GROWTH = in_q(1.0 / 625.0, at.Q_FINE_PACE)
+STEADY_GROWTH = in_q(1.0 / 625.0, 32)
+LARGEST_GROWTH = in_q(0.45, 32)
+"""1/s²."""
 TWICE_PER_DENSITY = in_q(2.0 / 58.0, 30)
 RATE_SHARE = in_q(0.005 * 180.0 / 3.141592653589793, 30)
 USUAL_VARIANCE = in_q((2.5 * 3.141592653589793 / 180.0) ** 2, 30)
@@ -129,8 +131,8 @@ def _uncertain(d, k):
     drift = product(TWICE_PER_DENSITY, min(variance, np.int64(ONE_Q30)), 30)
     pace = np.int64(d[at.HEADING_PACE])
     drift = quotient(drift, max(pace, np.int64(SMALLEST_PACE)), 18)  # 1/s² in Q24
-    growth = STEADY_GROWTH + (drift << FINE_PACE)
-    later = k[at.FINE_PACE] + product(growth, np.int64(d[at.PERIOD]), at.Q_PERIOD)
+    growth = min(STEADY_GROWTH + (drift << 8), np.int64(LARGEST_GROWTH))
+    later = k[at.FINE_PACE] + product(growth, np.int64(d[at.PERIOD]), 32 + at.Q_PERIOD - at.Q_FINE_PACE)
     most = max(np.int64(LARGEST_PACE) << FINE_PACE, k[at.FINE_PACE])
     k[at.FINE_PACE] = min(max(later, np.int64(SMALLEST_PACE) << FINE_PACE), most)
     _show_pace(d, k)

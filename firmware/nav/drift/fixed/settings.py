@@ -70,11 +70,14 @@ def new_state(
 
 
 def samples(rows: NDArray[np.float64]) -> NDArray[np.int32]:
-    """ω (rad/s), f (m/s²), m (T) in rows of 9 as `step` wants them; what is no number becomes MISSING."""
-    values = np.asarray(rows, np.float64)
+    """ω (rad/s), f (m/s²), m (T) in rows of 9 as `step` wants them.
+
+    What is no number, or does not fit its format, becomes MISSING.
+    """
     with np.errstate(invalid="ignore", over="ignore"):
-        numbers = np.clip(np.rint(values * 2.0**SAMPLE_Q), -LARGEST, LARGEST)
-    return np.where(np.isfinite(values), numbers, at.MISSING).astype(np.int32)
+        numbers = np.rint(np.asarray(rows, np.float64) * 2.0**SAMPLE_Q)
+        fits = np.abs(numbers) <= LARGEST
+    return np.ascontiguousarray(np.where(fits, numbers, at.MISSING), np.int32)
 
 
 def attitude(d: NDArray[Any]) -> NDArray[np.float64]:
