@@ -71,10 +71,13 @@ def keep(k, place, words):
 
 
 @kernel
-def is_jump(k, words):
-    """Whether this burst is to be refused; else it is kept as the one believed last."""
+def is_jump(k, words, saturated):
+    """Whether this burst is to be refused; else it is kept as the one believed last.
+
+    `saturated`: a rate is at the end of its range. No motion gets there in one step, so the burst before
+    does not confirm it."""
     far = k[SEEN] != np.int64(0) and is_far(k, LAST, words)
-    confirmed = k[REFUSALS] > np.int64(0) and not is_far(k, REFUSED, words)
+    confirmed = not saturated and k[REFUSALS] > np.int64(0) and not is_far(k, REFUSED, words)
     if far and not confirmed and k[REFUSALS] < np.int64(MOST_REFUSED):
         keep(k, REFUSED, words)
         k[REFUSALS] += np.int64(1)

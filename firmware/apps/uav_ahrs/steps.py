@@ -59,7 +59,7 @@ def is_to_bridge(i, k, words):
     if found & fl.STALE == 0:
         count_still(k, words)
     hold_force(k, words)
-    return k[STALE_ROW] > np.int64(HOLD_READS) or is_jump(k, words)
+    return k[STALE_ROW] > np.int64(HOLD_READS) or is_jump(k, words, found & fl.GYRO_SATURATED != 0)
 
 
 @kernel
