@@ -165,7 +165,8 @@ def _motion(scenario: Scenario, seed: int) -> Motion:
         blend = scenario.trajectory.blend_s if matrix is None else 0.0
         return Motion(segments, state, origin, blend, _disturbance(scenario.sway, scenario.vibration, seed))
     except ValueError as error:
-        raise ScenarioError(f"{scenario.path or scenario.name}: {error}") from None
+        told = str(error) if matrix is None else str(error).replace("segment[", "trajectory.matrix[", 1)
+        raise ScenarioError(f"{scenario.path or scenario.name}: {told}") from None
 
 
 def _disturbance(sway: Sway, vibration: Vibration, seed: int) -> Disturbance:

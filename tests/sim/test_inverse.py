@@ -329,6 +329,8 @@ def changed(number: int, line: str) -> str:
         (changed(3, "3,47.03,8.0,4e6"), "line 5: height 4e+06 m"),
         (changed(3, "3,46.0,8.0,440"), "m/s from the point before"),
         (changed(7, "99,47.07,8.0,440"), "line 9: 93 s after the point before"),
+        ("t_s,lat,lon,height_ft\n0,47,8,1\n", "line 1: column height_ft: ft is no unit known here"),
+        ("t_s,lat,lat,lon,alt\n0,47,47,8,1\n", "line 1: column lat is there twice"),
         (HEAD + "2024-05-14T08:00:00Z,47,8,1\n5,47,8,1\n", "line 3: time '5' is not ISO 8601"),
     ],
 )

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.load import scenario_from
 from host.sim.scenario.motion_matrix import segment_of_row
 from host.sim.scenario.motion_schema import Rest
@@ -173,3 +174,48 @@ def test_position_passes_steps_of_acceleration_without_a_trace():
     way = 20.0 * first + 2.5 * first**2 + middle_mps * second - 1.5 * second**2
     way += (middle_mps - 3.0 * 2.0071) * last
     assert np.abs((m.rows(times)[:, 1] - 1.0) * (6378137.0 + 10.0) - way).max() < 2e-8
+
+
+@pytest.mark.parametrize(
+    ("motion", "words"),
+    [
+        (
+            {"segment": [{"kind": "reach-speed", "duration_s": 5.0, "to_mps": -2.0}]},
+            r"segment\[1\]: brings the speed down to -2 m/s; a vehicle stops at 0, for example by",
+        ),
+        (
+            {
+                "segment": [{"kind": "rest", "duration_s": 5.0}]
+                + [{"kind": "acceleration-ramp", "duration_s": 4.0, "from_mps2": -2.0, "to_mps2": 2.0}]
+            },
+            r"segment\[2\]: brings the speed down to",
+        ),
+        (
+            {"trajectory": {"matrix": [[1, 10], [4, 10, -3]]}},
+            r"trajectory.matrix\[2\]: brings the speed down to -30",
+        ),
+        (
+            {
+                "segment": [{"kind": "cruise", "duration_s": 100.0, "pitch_rate_dps": 2.0}],
+                "initial": {"speed_mps": 9.0},
+            },
+            r"segment\[1\]: brings the pitch to 200°; what moves keeps within ±90°",
+        ),
+    ],
+)
+def test_impossible_motion_is_one_message(motion, words):
+    place = {"latitude_deg": 30.0, "longitude_deg": 114.0}
+    with pytest.raises(ScenarioError, match=words):
+        SimulatedVehicle(scenario_from({"place": place, **motion}, "drive", "drive"), 1)
+
+
+def test_a_rotary_table_may_turn_over_and_what_swings_may_swing_back():
+    place = {"latitude_deg": 30.0, "longitude_deg": 114.0}
+    segments = [
+        {"kind": "rest", "duration_s": 100.0, "pitch_rate_dps": 4.0},
+        {"kind": "surge", "duration_s": 3.0, "amplitude_mps2": -1.0, "period_s": 4.0},
+    ]
+    assert (
+        SimulatedVehicle(scenario_from({"place": place, "segment": segments}, "t", "t"), 1).duration_ns
+        == 103 * SECOND
+    )

@@ -22,7 +22,7 @@ Turning kinds take `speed_to_mps`: a new speed, reached likewise. Composites: `c
 from __future__ import annotations
 
 import math
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -42,6 +42,9 @@ AngleRate = Annotated[float, Field(ge=-2000.0, le=2000.0)]
 
 
 class _Segment(Table):
+    forwards_only: ClassVar[bool] = True
+    """Whether its speed must not fall below zero."""
+
     duration_s: Positive = Field(le=1e6, examples=[20.0])
     pitch_to_deg: Angle | None = Field(default=None, examples=[4.0])
     roll_to_deg: Angle | None = Field(default=None, examples=[2.0])
@@ -148,6 +151,7 @@ class Accelerate(_Segment):
 class Surge(_Segment):
     """Sinusoidal acceleration."""
 
+    forwards_only: ClassVar[bool] = False  # it swings, about standing too
     kind: Literal["surge"]
     amplitude_mps2: float = Field(ge=-200.0, le=200.0, examples=[1.0])
     period_s: Positive = Field(le=1e6, examples=[8.0])

@@ -6,6 +6,7 @@ angles are continuous to rounding whatever the segments do.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
@@ -14,6 +15,10 @@ from host.sim.trajectory.piece import Piece, constant, smooth_step
 
 NS = 1_000_000_000
 CHANNELS = ("speed", "yaw", "pitch", "roll")
+STANDSTILL_MPS = 1e-6
+STEEPEST = 0.5 * math.pi + 1e-9
+LOOKS = 32
+"""Instants of each piece at which the speed is looked at."""
 
 
 @dataclass(frozen=True)
@@ -117,13 +122,32 @@ def _append_segment(
 ) -> MotionState:
     rates = segment.rates(state.speed, blend_s)
     duration = segment.duration_s
+    before = len(channels["speed"].pieces)
     speed = channels["speed"].integrate(start_ns, rates.acceleration, state.speed, duration)
-    return MotionState(
+    if getattr(segment, "forwards_only", False):
+        _refuse_backwards(channels["speed"].pieces[before:])
+    after = MotionState(
         speed=speed if rates.end_speed is None else rates.end_speed,
         yaw=channels["yaw"].integrate(start_ns, rates.turn_rate, state.yaw, duration),
         pitch=_angle(channels["pitch"], start_ns, rates.pitch_course, rates.end_pitch, state.pitch, duration),
         roll=_angle(channels["roll"], start_ns, rates.roll_course, rates.end_roll, state.roll, duration),
     )
+    if max(abs(state.speed), abs(after.speed)) > STANDSTILL_MPS and abs(after.pitch) > STEEPEST:
+        raise ValueError(
+            f"brings the pitch to {math.degrees(after.pitch):.4g}°; what moves keeps within ±90°, for example"
+            f" pitch_rate_dps = {math.degrees(math.copysign(1.0, after.pitch) - state.pitch) / duration:.3g}"
+        )
+    return after
+
+
+def _refuse_backwards(pieces: list[Piece]) -> None:
+    """ValueError when the speed falls below zero."""
+    lowest = min(piece.value(piece.duration_s * k / LOOKS) for piece in pieces for k in range(LOOKS + 1))
+    if lowest < -STANDSTILL_MPS:
+        raise ValueError(
+            f"brings the speed down to {lowest:.4g} m/s; a vehicle stops at 0, for example by"
+            ' { kind = "reach-speed", duration_s = 8.0, to_mps = 0.0 }'
+        )
 
 
 def _angle(

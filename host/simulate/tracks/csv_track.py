@@ -38,6 +38,23 @@ NAMES: dict[str, tuple[str, ...]] = {
 }
 NEEDED = ("time", "latitude", "longitude", "height")
 ANGLES = ("latitude", "longitude", "yaw", "pitch", "roll")
+OTHER_UNITS = (
+    "ft",
+    "feet",
+    "km",
+    "mi",
+    "kmh",
+    "kph",
+    "knots",
+    "kn",
+    "mph",
+    "ms",
+    "us",
+    "grad",
+    "mrad",
+    "dm",
+    "cm",
+)
 EXAMPLE = "for example t_s,latitude_deg,longitude_deg,height_m"
 
 
@@ -78,11 +95,28 @@ def _columns(path: Path, header: list[str]) -> dict[str, tuple[int, float]]:
                     found[quantity] = (known.index(wanted), factor)
     if "time" not in found and "t_ns" in known:
         found["time"] = (known.index("t_ns"), 1e-9)
+    _refuse_doubtful(path, header, known)
     missing = [name for name in NEEDED if name not in found]
     if missing:
         told = ", ".join(header[:8]) or "nothing"
         raise UserError(f"{path}: line 1: no column of {missing[0]} in the header ({told}); {EXAMPLE}")
     return found
+
+
+def _refuse_doubtful(path: Path, header: list[str], known: list[str]) -> None:
+    """UserError for a quantity in a unit that is not known, and for a column that is there twice."""
+    understood = {name for names in NAMES.values() for name in names}
+    understood |= {f"{name.removesuffix('_deg')}_rad" for name in understood} | {"t_ns"}
+    stems = {name.rsplit("_", 1)[0] if "_" in name else name for name in understood}
+    for place, name in enumerate(known):
+        stem, _, unit = name.rpartition("_")
+        if name not in understood and stem in stems and unit in OTHER_UNITS:
+            raise UserError(
+                f"{path}: line 1: column {header[place]}: {unit} is no unit known here; angles are in deg or"
+                f" rad, lengths in m, speeds in mps, times in s or ns; {EXAMPLE}"
+            )
+        if name in understood and name in known[:place]:
+            raise UserError(f"{path}: line 1: column {header[place]} is there twice; keep one")
 
 
 def _value(
