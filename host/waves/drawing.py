@@ -17,7 +17,7 @@ from vcd import VCDWriter
 
 from host.record.errors import UserError
 from host.waves.lines import Tracer, Unit
-from host.waves.recording import Recording
+from host.waves.recording import FAR, Recording
 from host.waves.sheet import Sheet
 from host.waves.wiring import BusKey, board_of, chosen, given_rates, tracers
 
@@ -49,7 +49,10 @@ def draw(request: WavesRequest, progress: Progress | None = None) -> dict[str, A
     """
     if request.target.exists():
         raise UserError(f"-o {request.target}: exists already; name a new file")
-    recording = Recording(request.capture)
+    _check_stretch(request)
+    to_s = request.to_s
+    to_ns = FAR if to_s is None else min(FAR, round(to_s * NS))
+    recording = Recording(request.capture, min(FAR, round(request.from_s * NS)), to_ns)
     begin_ns, end_ns = _stretch(request, recording.end_ns)
     buses = chosen(recording.buses, request.buses)
     rates = given_rates(request.rates, recording.buses)
@@ -171,14 +174,18 @@ def _by_bus(drawn: list[Tracer]) -> dict[BusKey, Tracer]:
     return {(tracer.name, tracer.kind): tracer for tracer in drawn}
 
 
-def _stretch(request: WavesRequest, recorded_ns: int) -> tuple[int, int]:
-    """From and to in ns, inside the recording."""
+def _check_stretch(request: WavesRequest) -> None:
     from_s, to_s = request.from_s, request.to_s
     good_end = to_s is None or (math.isfinite(to_s) and to_s > from_s)
     if not (math.isfinite(from_s) and from_s >= 0 and good_end):
         raise UserError(
             f"--from {from_s:g} --to {to_s}: must be 0 or more and rise, e.g. --from 60 --to 60.1"
         )
+
+
+def _stretch(request: WavesRequest, recorded_ns: int) -> tuple[int, int]:
+    """From and to in ns, inside the recording."""
+    from_s, to_s = request.from_s, request.to_s
     if from_s * NS >= recorded_ns:
         raise UserError(
             f"--from {from_s:g}: capture {request.capture} ends at {recorded_ns / NS:g} s; choose earlier"

@@ -1,8 +1,8 @@
 """A capture, bus by bus and window by window.
 
-It is read twice: the first time to learn what buses it holds, when each window's traffic begins (a long
-piece on a slow line is recorded at its end, windows after its beginning), and how far it goes; the second
-time to draw. What is kept in between is one number a window.
+It is read twice, of a short stretch only the chunks that hold it: the first time to learn what buses it
+holds, when each window's traffic begins (a long piece on a slow line is recorded at its end, windows after
+its beginning), and how far it goes; the second time to draw. What is kept in between is one number a window.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from pathlib import Path
 
 from host.capture.blocks import Traffic, time_of, unpack
 from host.capture.reader import CaptureReader, Window
+from host.capture.stretch import StretchReader
 from host.record.errors import UserError
 from host.waves.lines import Tracer, Unit
 from host.waves.wiring import BusKey, RecordedBus, bus_of
@@ -22,13 +23,19 @@ Progress = Callable[[int], None]
 """How far reading has got, ns."""
 
 
-class Recording:
-    """The buses of one capture. Raises UserError for a file that is none, or is damaged."""
+MARGIN_NS = 10_000_000_000
+"""Around the stretch that is drawn: a piece on a slow line is recorded at its end."""
 
-    def __init__(self, path: Path) -> None:
+
+class Recording:
+    """The buses of one capture, and its traffic from `from_ns` to `to_ns`; of a finished capture only that is
+    read. Raises UserError for a file that is none, or is damaged."""
+
+    def __init__(self, path: Path, from_ns: int = 0, to_ns: int = FAR) -> None:
         self._path = path
+        self._stretch = (max(0, from_ns - MARGIN_NS), to_ns + MARGIN_NS)
         self.end_ns = 0
-        reader = CaptureReader(path)
+        reader = self._reader()
         buses: dict[BusKey, RecordedBus] = {}
         for window in reader.windows():
             self.end_ns = max(self.end_ns, window.end_ns)
@@ -40,7 +47,7 @@ class Recording:
 
     def windows(self, tracers: Mapping[BusKey, Tracer]) -> Iterator[tuple[int, dict[BusKey, list[Unit]]]]:
         """(end in ns, units of each tracer) window by window."""
-        reader = CaptureReader(self._path)
+        reader = self._reader()
         for window in reader.windows():
             records: dict[BusKey, list[Traffic]] = {}
             for topic, block in window.raw.items():
@@ -53,6 +60,9 @@ class Recording:
                 told.sort(key=time_of)
                 units[bus] = [unit for record in told for unit in self._units(tracer, record)]
             yield window.end_ns, units
+
+    def _reader(self) -> CaptureReader:
+        return StretchReader(self._path, *self._stretch)
 
     def begins(self, tracers: Mapping[BusKey, Tracer], progress: Progress) -> list[int]:
         """For each window the earliest beginning of a unit in those behind it, ns."""
