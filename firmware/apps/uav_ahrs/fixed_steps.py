@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from firmware.apps.uav_ahrs.fixed_holding import give_back, withhold_force
 from firmware.apps.uav_ahrs.steps import (
     SPOILT,
     forget_old_rates,
@@ -13,6 +14,9 @@ from firmware.apps.uav_ahrs.steps import (
 )
 from firmware.nav.attitude import layout as at
 from firmware.nav.attitude.fixed.loop import bridge, iterate, take_words
+from firmware.nav.drift.fixed import layout as drift
+from firmware.nav.drift.fixed.correction import correct
+from firmware.nav.drift.layout import REGAINING
 from firmware.numerics.dialect import kernel
 
 HALF_Q = 15
@@ -55,3 +59,14 @@ def iteration(s, i, before):
         spoilt = True
     remember(s, before)
     return np.int64(SPOILT) if spoilt else made
+
+
+@kernel("int64(int32[::1], int64[::1], int32[::1], int32[::1], int64[::1], int64[::1])")
+def corrected_iteration(s, i, before, d, m, g):
+    """As `steps.corrected_iteration`."""
+    made = iteration(s, i, before)
+    if made != np.int64(0):
+        withhold_force(s, i, g, m[drift.FLAGS] & REGAINING != 0)
+        correct(s, i, d, m)
+        give_back(s, g)
+    return made

@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.apps.uav_ahrs import fixed_steps
+from firmware.apps.uav_ahrs.fixed_holding import FIXED_HOLDING_SIZE
 from firmware.apps.uav_ahrs.holding import HOLDING_SIZE
 from firmware.nav.attitude.config import AttitudeConfig, configure
 from firmware.nav.attitude.fixed import loop as fixed_loop
 from firmware.nav.attitude.fixed.config import configure as configure_fixed
+from firmware.nav.drift.fixed.settings import new_state as new_fixed_state
 from firmware.nav.drift.settings import DriftSettings, new_state
 from firmware.numerics.dialect import entry_point
 from firmware.numerics.precision import load
@@ -33,6 +35,7 @@ class AttitudeKernels:
         """(s, i, before, …), what follows as `new_drift` gives it."""
         self.solution = entry_point(loop.solution)
         self._compensated = compensated
+        self._fixed = fixed
 
     def new_drift(self, config: AttitudeConfig) -> tuple[NDArray[Any], ...]:
         """Memory of the drift compensation; nothing without it."""
@@ -41,4 +44,6 @@ class AttitudeKernels:
         settings = DriftSettings(
             rate_range=math.radians(config.gyro_range_dps), declination=config.declination
         )
+        if self._fixed:
+            return (*new_fixed_state(config.period, settings), np.zeros(FIXED_HOLDING_SIZE, np.int64))
         return (*new_state(settings, self.dtype), np.zeros(HOLDING_SIZE, self.dtype))

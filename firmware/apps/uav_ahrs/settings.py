@@ -78,11 +78,6 @@ class Settings:
                 choices = ", ".join(repr(choice) for choice in allowed)
                 raise ValueError(f"profile key {key} = {value!r} is not possible; choose one of {choices}")
         settings = cls(**profile)
-        if settings.arithmetic == "fixed" and settings.drift_compensation:
-            raise ValueError(
-                "drift_compensation = true does not go with arithmetic = 'fixed' yet; possible:"
-                " drift_compensation = false"
-            )
         if not settings.magnetometer and settings.initial_yaw_deg is None:
             raise ValueError(
                 "magnetometer = false: nothing tells the heading at the start; for example"
