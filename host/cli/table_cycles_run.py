@@ -11,7 +11,6 @@ from host.cli.table_run import chosen
 from host.cli.terminal import print_section
 from host.compare.cost import PRICED, Cost, cost_of
 from host.compare.cost_page import kinds_section, methods_section, section, to_dict
-from host.compare.lanes import compensates
 from host.compare.source import from_run
 from host.compare.word_stream import bursts_of
 from host.record.result import RunRequest
@@ -33,7 +32,7 @@ def show_cycles(arithmetic: str, updates: bool, json_file: str | None, quiet: bo
         bursts = list(bursts_of(source.capture))
         plain, compensated = (replace(source.config, drift_compensation=on) for on in (False, True))
         asked = [(one, config) for one in arithmetics for config in (plain, compensated)]
-        costs = [cost_of(*one, bursts) for one in asked if compensates(one[0]) or one[1] is plain]
+        costs = [cost_of(*one, bursts) for one in asked]
         if updates:
             configs = [replace(plain, method=method) for method in METHOD_NAMES]
             others = [cost_of(one, config, bursts) for config in configs for one in arithmetics]

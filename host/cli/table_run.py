@@ -14,7 +14,6 @@ from host.campaign.plan import parse_seeds
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.output_files import check_files, for_people, write_json
 from host.cli.terminal import print_section
-from host.compare.lanes import compensates
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 from host.sim.seeding import LARGEST_SEED
@@ -101,10 +100,8 @@ def _measured(
     seed: int,
     compensated: bool,
 ) -> Iterator[AngleRow]:
-    """An arithmetic that has no drift compensation is measured without."""
-    able = {name: compensated and compensates(name) for name in arithmetics}
     for feed, row, name in product(feeds, wanted, arithmetics):
-        yield chip_row(row, name, seed, able[name]) if feed == CHIP else ideal_row(row, name)
+        yield chip_row(row, name, seed, compensated) if feed == CHIP else ideal_row(row, name)
 
 
 def _wanted_rows(asked: AskedAngles) -> list[DocumentRow]:
@@ -138,12 +135,7 @@ def show_drift(asked: AskedDrift, output: Path | None, json_file: str | None, qu
     drifts = [
         stop_drift(arithmetic, seeds, compensation == "on")
         for compensation, arithmetic in product(compensations, arithmetics)
-        if compensation == "off" or compensates(arithmetic)
     ]
-    if not drifts:
-        raise UserError(
-            f"--arithmetic {asked.arithmetic}: has no drift compensation; for example --compensation off"
-        )
     console = for_people(json_file)
     if not quiet:
         print_section(console, drift_section(drifts))

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from firmware.apps.uav_ahrs.attitude import Attitude
 from firmware.apps.uav_ahrs.kernels import AttitudeKernels
 from firmware.apps.uav_ahrs.steps import READY
 from firmware.nav.attitude.config import AttitudeConfig
 from firmware.numerics.dialect import entries_named
-from host.compare.lanes import compensates
 from host.compare.word_stream import Bursts
 from host.cycles.estimate import Cycles, PricedKernel
 from host.record.errors import UserError
@@ -47,9 +46,8 @@ class Cost:
 
 def cost_of(arithmetic: str, config: AttitudeConfig, stream: Iterable[Bursts]) -> Cost:
     """Run the iterations of a stream, at most MOST, with priced kernels. Raises UserError without any."""
-    compensated = config.drift_compensation and compensates(arithmetic)
-    kernels, priced = _priced_kernels(arithmetic, compensated)
-    one = Attitude(kernels, replace(config, drift_compensation=compensated))
+    kernels, priced = _priced_kernels(arithmetic, config.drift_compensation)
+    one = Attitude(kernels, config)
     made = 0
     for some in stream:
         for raw in some.raw:
@@ -61,7 +59,7 @@ def cost_of(arithmetic: str, config: AttitudeConfig, stream: Iterable[Bursts]) -
     if not made:
         raise UserError("no iteration to price: the alignment never ended; give some seconds of rest first")
     calls = {name: kernel.cycles() for name, kernel in priced.items()}
-    return Cost(arithmetic, config.method, compensated, calls)
+    return Cost(arithmetic, config.method, config.drift_compensation, calls)
 
 
 def _priced_kernels(arithmetic: str, compensated: bool) -> tuple[AttitudeKernels, dict[str, PricedKernel]]:

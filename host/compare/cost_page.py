@@ -57,9 +57,7 @@ def kinds_section(costs: Sequence[Cost]) -> Section:
         shares = [_of_kind(one, kind) for one in costs]
         if any(shares):
             rows.append((kind, *(count(share) for share in shares)))
-    return Section(
-        "What they go into", ("kind", *(f"{one.arithmetic}, cycles" for one in costs)), tuple(rows)
-    )
+    return Section("What they go into", ("kind", *(f"{_name(one)}, cycles" for one in costs)), tuple(rows))
 
 
 def _of_kind(cost: Cost, kind: str) -> float:

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from firmware.apps.uav_ahrs import fixed_steps
 from firmware.apps.uav_ahrs.attitude import Attitude
 from firmware.apps.uav_ahrs.kernels import AttitudeKernels
 from firmware.apps.uav_ahrs.steps import READY
@@ -26,11 +25,6 @@ class Solutions:
     made: NDArray[np.bool_]
     records: Integers
     """(bursts, OUT_SIZE), see `firmware.nav.attitude.layout`."""
-
-
-def compensates(arithmetic: str) -> bool:
-    """Whether the board's drift compensation exists in this arithmetic."""
-    return arithmetic != "fixed" or hasattr(fixed_steps, "corrected_iteration")
 
 
 class Lane:

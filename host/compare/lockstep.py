@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from firmware.nav.attitude.config import AttitudeConfig
 from host.compare.difference import Difference
-from host.compare.lanes import Lane, compensates
+from host.compare.lanes import Lane
 from host.compare.word_stream import Bursts
 from host.record.errors import UserError
 
@@ -54,13 +54,9 @@ def compare(
     stream: Iterable[Bursts],
     progress: Callable[[float], None] | None = None,
 ) -> Comparison:
-    """Every arithmetic gets every burst. Raises UserError when nothing came of them.
-
-    The drift is compensated when `config` says so and all of them can.
-    """
+    """Every arithmetic gets every burst. Raises UserError when nothing came of them."""
     reference = reference_of(arithmetics)
-    compensated = config.drift_compensation and all(map(compensates, arithmetics))
-    config = replace(config, drift_compensation=compensated)
+    compensated = config.drift_compensation
     lanes = {name: Lane(name, config) for name in arithmetics}
     others = [Difference(name, reference) for name in arithmetics if name != reference]
     bursts, begin_s, end_s = 0, 0.0, 0.0

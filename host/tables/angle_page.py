@@ -70,8 +70,7 @@ def _section(feed: str, axis: str, rows: list[AngleRow]) -> Section:
         " of rest, each angle where it was farthest off."
     )
     if feed == CHIP:
-        able = {row.arithmetic: "on" if row.compensated else "off" for row in rows}
-        note += f" Drift compensation: {', '.join(f'{name} {able[name]}' for name in arithmetics)}."
+        note += f" Drift compensation {'on' if rows[0].compensated else 'off'}."
     if axis == "pitch":
         note += f" ∠: from {STEEP_DEG:g}° on the total rotation is scored."
     return Section(f"Turned about {axis}: {feed}", (*columns, "verdict"), tuple(made), words=0, note=note)
