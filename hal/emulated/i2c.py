@@ -21,6 +21,7 @@ from hal.emulated.virtual_time import SECOND, VirtualTime
 from hal.errors import BusError, ErrorKind
 
 BYTE_CLOCKS = 9
+_NOBODY = (None, None, False)
 
 
 class I2cTransfer(NamedTuple):
@@ -61,9 +62,9 @@ class I2cSlave(Protocol):
 class EmulatedI2cBus:
     """One bus with its controller. Implements `hal.i2c.I2cBus`.
 
-    A slave may have an attribute `stretch_ns`: how long it holds the clock low after its address; a method
-    `listens(time_ns)`: whether it acknowledges its address at all (it may be without supply, or busy); and a
-    method `clocked_at(frequency_hz)`, called when it is attached.
+    A slave may have, when it is attached, an attribute `stretch_ns`: how long it holds the clock low after
+    its address; a method `listens(time_ns)`: whether it acknowledges its address at all (it may be without
+    supply, or busy); and a method `clocked_at(frequency_hz)`, called when it is attached.
     """
 
     def __init__(
@@ -88,6 +89,11 @@ class EmulatedI2cBus:
         nobody can acknowledge; else the bus hangs."""
         self._cpu = cpu
         self._slaves: dict[int, I2cSlave] = {}
+        self._manners: dict[int, tuple[I2cSlave, Callable[[int], bool] | None, bool]] = {}
+        """For each address the slave, its `listens`, and whether it has a `stretch_ns`."""
+        self._steps: dict[tuple[int, int], tuple[int, int, int, int]] = {}
+        """By bytes written and read: until they are written, addressed again, over; over when refused."""
+        self._address_ns = (1 + BYTE_CLOCKS) * SECOND // frequency_hz
         self._owner: str | None = None
         cpu.reset_hooks.append(self._reset)
 
@@ -101,14 +107,14 @@ class EmulatedI2cBus:
             raise ValueError(
                 f"I2C address 0x{address:02X} on {self.name!r} is taken; two chips cannot share it"
             )
-        self._slaves[address] = slave
+        self._put(address, slave)
         clocked_at = getattr(slave, "clocked_at", None)
         if clocked_at is not None:
             clocked_at(self.frequency_hz)
 
     def detach(self, address: int) -> None:
         """Take a slave off the bus; nobody acknowledges its address any more."""
-        del self._slaves[address]
+        del self._slaves[address], self._manners[address]
 
     @property
     def time(self) -> VirtualTime:
@@ -122,8 +128,12 @@ class EmulatedI2cBus:
     def exchange(self, address: int, slave: I2cSlave) -> I2cSlave:
         """Put another one in the place of a slave; returns that one."""
         before = self._slaves[address]
-        self._slaves[address] = slave
+        self._put(address, slave)
         return before
+
+    def _put(self, address: int, slave: I2cSlave) -> None:
+        self._slaves[address] = slave
+        self._manners[address] = (slave, getattr(slave, "listens", None), _may_stretch(slave))
 
     def transaction(self, address: int, write: bytes = b"", read_length: int = 0) -> bytes:
         """Run one transaction and return the bytes read."""
@@ -134,6 +144,10 @@ class EmulatedI2cBus:
         if self.player is not None:
             done = self.player(start, address, bytes(write), read_length)
             return self._play(done)
+        slave, listens, stretches = self._manners.get(address, _NOBODY)
+        usual = bool(write and read_length) and not stretches and self.observer is None and not self.stuck
+        if usual and slave is not None and (listens is None or listens(start + self._address_ns)):
+            return self._quick(slave, address, bytes(write), read_length)
         wire = _Wire(self._cpu, start, self.frequency_hz)
         try:
             return self._run(wire, address, bytes(write), read_length)
@@ -147,6 +161,50 @@ class EmulatedI2cBus:
                     start, end, address, bytes(write), wire.acknowledged, read_length, wire.read, wire.refusal
                 )
                 self.observer(done)
+
+    def _quick(self, slave: I2cSlave, address: int, write: bytes, read_length: int) -> bytes:
+        """The usual read of registers that nobody watches: the same as `_run`, in one piece."""
+        cpu, time = self._cpu, self._cpu.time
+        start = end = time.now
+        lengths = (len(write), read_length)
+        steps = self._steps.get(lengths)
+        if steps is None:
+            self._steps[lengths] = steps = _steps(*lengths, self.frequency_hz)
+        written_ns, addressed_ns, over_ns, refused_ns = steps
+        try:
+            end = start + written_ns
+            if end < time.limit:
+                time.now = end
+            else:
+                cpu.wait_until(end)
+            acknowledged = slave.write(write, time.now)
+            if acknowledged < len(write):
+                end = start + refused_ns
+                cpu.wait_until(end)
+                raise self._refused(ErrorKind.DATA_NACK, address, acknowledged, len(write))
+            end = start + addressed_ns
+            if end < time.limit:
+                time.now = end
+            else:
+                cpu.wait_until(end)
+            listens = self._manners.get(address, _NOBODY)[1]
+            if listens is not None and not listens(time.now):
+                end = start + addressed_ns + SECOND // self.frequency_hz
+                cpu.wait_until(end)
+                raise self._refused(ErrorKind.ADDRESS_NACK, address)
+            read = slave.read(read_length, time.now)
+            if len(read) != read_length:
+                raise ValueError(f"slave 0x{address:02X} gave {len(read)} bytes for a read of {read_length}")
+            end = start + over_ns
+            if end < time.limit:
+                time.now = end
+            else:
+                cpu.wait_until(end)
+            return read
+        finally:
+            self._owner = None
+            self.transactions += 1
+            self.busy_ns += min(end, time.now) - start
 
     def _play(self, done: I2cTransfer) -> bytes:
         """Let a transaction happen as it is told."""
@@ -178,8 +236,7 @@ class EmulatedI2cBus:
                 raise ValueError(
                     f"slave 0x{address:02X} gave {len(wire.read)} bytes for a read of {read_length}"
                 )
-            wire.clocks(BYTE_CLOCKS * read_length)
-        wire.clocks(1)
+        wire.clocks(BYTE_CLOCKS * read_length + 1)
         wire.refusal = None
         return wire.read
 
@@ -193,13 +250,14 @@ class EmulatedI2cBus:
                 wire.refusal = ErrorKind.TIMEOUT
                 raise self._refused(wire.refusal, address)
         wire.clocks(1 + BYTE_CLOCKS)
-        slave = self._slaves.get(address)
-        listens = getattr(slave, "listens", None)
+        slave, listens, stretches = self._manners.get(address, _NOBODY)
         if nobody or slave is None or (listens is not None and not listens(self._cpu.time.now)):
             wire.clocks(1)
             wire.refusal = ErrorKind.ADDRESS_NACK
             raise self._refused(wire.refusal, address)
-        stretch_ns = getattr(slave, "stretch_ns", 0)
+        if not stretches:
+            return slave
+        stretch_ns: int = slave.stretch_ns  # type: ignore[attr-defined]
         if stretch_ns > self.stretch_limit_ns:
             wire.hold(self.stretch_limit_ns)
             wire.refusal = ErrorKind.TIMEOUT
@@ -218,6 +276,18 @@ class EmulatedI2cBus:
 
     def _reset(self) -> None:
         self._owner = None
+
+
+def _may_stretch(slave: I2cSlave) -> bool:
+    return hasattr(type(slave), "stretch_ns") or "stretch_ns" in getattr(slave, "__dict__", ())
+
+
+def _steps(written: int, read: int, frequency_hz: int) -> tuple[int, int, int, int]:
+    address = 1 + BYTE_CLOCKS
+    behind = address + BYTE_CLOCKS * written
+    clocks = (behind, behind + address, behind + address + BYTE_CLOCKS * read + 1, behind + 1)
+    first, second, third, fourth = (count * SECOND // frequency_hz for count in clocks)
+    return first, second, third, fourth
 
 
 class _Wire:

@@ -12,9 +12,13 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from boards.chips.adis16407 import Adis16407 as Adis16407Model
 from boards.chips.adxl345 import Adxl345 as Adxl345Model
+from boards.chips.hmc6343 import Hmc6343 as Hmc6343Model
+from firmware.drivers.adis16407 import Adis16407, Adis16407Config
 from firmware.drivers.adxl345 import Adxl345, Adxl345Config, Outcome
 from firmware.drivers.adxl345_ports import I2cPort, RegisterPort, SpiPort
+from firmware.drivers.hmc6343 import Hmc6343, Hmc6343Config
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.i2c import EmulatedI2cBus
 from hal.emulated.spi import EmulatedSpiBus, SpiTiming
@@ -62,9 +66,60 @@ class Bench:
             chip.read()
 
 
+class StillTenDof:
+    """A world at rest with field and pressure."""
+
+    def sample(self, times_ns: NDArray[np.int64], bandwidth_hz: float) -> NDArray[np.float64]:
+        """See boards.chips.world.TenDofWorld."""
+        row = [0.0, 0.0, 9.80665, 0.0, 0.0, 0.0, 25.0, 2e-5, 0.0, 4e-5, 101_325.0]
+        return np.tile(row, (len(times_ns), 1))
+
+
+class StillCompass:
+    """A world at rest with a field."""
+
+    def sample(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
+        """See boards.chips.world.CompassWorld."""
+        return np.tile([0.0, 0.0, 9.80665, 2e-5, 0.0, 4e-5, 25.0], (len(times_ns), 1))
+
+
+class AdisBench:
+    """An ADIS16407 on SPI at 1 MHz: a burst of 15 words."""
+
+    def __init__(self) -> None:
+        self.cpu = EmulatedCpu(VirtualTime(), "mcu", 168 * MEGAHERTZ)
+        timing = SpiTiming(MEGAHERTZ, bits_per_word=16, stall_clocks=1, high_ns=9_000)
+        device = EmulatedSpiBus(self.cpu, timing).device(Adis16407Model(self.cpu.time, StillTenDof()), "U1")
+        self.chips = [Adis16407(device, self.cpu, Adis16407Config())]
+        self.chips[0].start()
+
+    def read_all(self) -> None:
+        """One burst."""
+        self.chips[0].read()
+
+
+class CompassBench:
+    """An HMC6343 on I²C at 100 kHz: a command, its delay, its answer."""
+
+    def __init__(self) -> None:
+        self.cpu = EmulatedCpu(VirtualTime(), "mcu", 168 * MEGAHERTZ)
+        bus = EmulatedI2cBus(self.cpu, 100_000)
+        model = Hmc6343Model(self.cpu.time, StillCompass())
+        bus.attach(model.address, model)
+        self.chips = [Hmc6343(bus, self.cpu, Hmc6343Config(rate_hz=10))]
+        self.chips[0].start()
+
+    def read_all(self) -> None:
+        """Heading, pitch and roll."""
+        self.chips[0].read()
+
+
 def read_us(repeats: int) -> dict[str, float]:
-    """Microseconds of a read of six data bytes, each time of a new sample, by way of reading."""
+    """Microseconds of a read, each time of a new sample (of the compass at 10 Hz: of every twentieth), by way
+    of reading: six data bytes of the ADXL345, a burst of the ADIS16407, a heading of the HMC6343."""
     return {
+        "adis16407_burst": _per_read(AdisBench(), repeats),
+        "hmc6343_heading": _per_read(CompassBench(), repeats),
         "adxl345_spi": _per_read(Bench(), repeats),
         "adxl345_spi_fifo": _per_read(Bench(fifo="stream"), repeats),
         "adxl345_spi_seven_together": _per_read(Bench(CHIPS_TOGETHER), repeats),
@@ -72,7 +127,7 @@ def read_us(repeats: int) -> dict[str, float]:
     }
 
 
-def _per_read(bench: Bench, repeats: int) -> float:
+def _per_read(bench: Bench | AdisBench | CompassBench, repeats: int) -> float:
     """Reading once a sample, less the processor's wait alone."""
     pause = 168 * MEGAHERTZ // RATE_HZ
 
