@@ -164,7 +164,8 @@ def _exercise(description: Board, world: World) -> None:
                 times_ns, BANDWIDTH_HZ
             )
         elif chip.world == "gnss":
-            world.gnss(refdes, np.array(chip.lever_arm_m)).epoch(0)
+            second = None if chip.second_antenna_m is None else np.array(chip.second_antenna_m)
+            world.gnss(refdes, np.array(chip.lever_arm_m), second).epoch(0)
     world.truth(times_ns)
     world.antenna_truth(times_ns, np.zeros(3))
     RowText.csv([3]).text(np.zeros((1, 1)))

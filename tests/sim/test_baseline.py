@@ -137,3 +137,16 @@ def test_what_cannot_be_is_refused():
         World(standing(fault=[lost])).gnss("U3")
     with pytest.raises(ScenarioError, match="it takes none"):
         World(standing(fault=[lost | {"parameters": {"heading_deg": 1.0}}])).gnss("U3", None, ARM)
+
+
+def test_a_fault_that_finds_no_baseline_has_not_struck():
+    faults = [
+        {"kind": "gnss-baseline-lost", "target": "U3", "at_s": 10.0, "duration_s": 10.0},
+    ]
+    scenario = standing(
+        fault=faults, outage=[{"start_s": 5.0, "duration_s": 10.0}], gnss={"reacquisition_s": 0.0}
+    )
+    receiver = World(scenario).gnss("U3", None, ARM)
+    for second in range(30):
+        receiver.epoch(second * SECOND)
+    assert [glitch.fired for glitch in receiver.glitches] == [5]

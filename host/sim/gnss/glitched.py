@@ -23,7 +23,7 @@ class GlitchedReceiver:
         """The receiver's epoch, with every glitch of that instant added."""
         epoch = self._receiver.epoch(time_ns)
         for glitch in self.glitches:
-            if glitch.window.holds(time_ns):
+            if glitch.window.holds(time_ns) and _can_strike(glitch, epoch):
                 glitch.fired += 1
                 epoch = _struck(epoch, glitch, time_ns)
         return epoch
@@ -50,9 +50,15 @@ def _struck(epoch: GnssEpoch, glitch: Glitch, time_ns: int) -> GnssEpoch:
     )
 
 
+def _can_strike(glitch: Glitch, epoch: GnssEpoch) -> bool:
+    """Faults of the second antenna need a baseline."""
+    at_baseline = glitch.baseline_lost or any(glitch.baseline_turn)
+    return not at_baseline or (epoch.baseline is not None and epoch.baseline.fix != "NONE")
+
+
 def _baseline_struck(epoch: GnssEpoch, glitch: Glitch) -> GnssEpoch:
-    if epoch.baseline is None or epoch.baseline.fix == "NONE":
-        return epoch
     if glitch.baseline_lost:
         return replace(epoch, baseline=NO_BASELINE)
+    if epoch.baseline is None or not any(glitch.baseline_turn):
+        return epoch
     return replace(epoch, baseline=turned(epoch.baseline, *glitch.baseline_turn))
