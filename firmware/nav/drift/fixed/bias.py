@@ -1,10 +1,7 @@
-"""Gyro bias in integers: the Kalman filter of `..bias` with one variance P for all three axes.
+"""Gyro bias in integers: the Kalman filter of `..bias`, its covariance P in (°/s)², Q50.
 
-    P ← P + V dt − P² I dt,    b ← b + P I dt · H* e
-
-I = V/σ⁴ is the information a second of a measurement that shall settle at σ: 1 (°/s)⁻² s⁻¹ in motion (σ =
-0.1 °/s), 123 at rest (0.03 °/s). In motion two directions of three are seen, and as far as they keep still in
-the mean: P shrinks by the share |R̄|²/3 of that.
+A row h of a measurement and its variance w move the bias by the gain g = P h / (w + hᵀ P h), in Q32, and take
+g (P h)ᵀ off P. P h is read to Q30: of the 0.0009 that are left at rest, to a millionth.
 """
 
 import numpy as np
@@ -12,17 +9,28 @@ import numpy as np
 from firmware.nav.drift.fixed import layout as at
 from firmware.nav.drift.fixed.smoothing import keep, smooth
 from firmware.numerics.dialect import kernel
+from firmware.numerics.fixed.angles import ONE_Q30
 from firmware.numerics.fixed.arithmetic import in_q, product, rounded_shift
 from firmware.numerics.fixed.quaternion import rotation_matrix
+from firmware.numerics.fixed.roots import quotient
 
-THREE = np.int32(3)
 LARGEST = in_q(2.0 * 3.141592653589793 / 180.0, at.Q_BIAS)
 FIRST_VARIANCE = in_q(0.25, at.Q_VARIANCE)
+VARIANCE_SHIFT = at.Q_FINE_VARIANCE - at.Q_VARIANCE
 FINE = at.Q_FINE_BIAS - at.Q_BIAS
-REST_INFORMATION = in_q(1.0e-4 / 0.03**4, 20)
-MOTION_INFORMATION = in_q(1.0, 20)
 NOISE = in_q(1.0e-4, 40)
-THIRD = in_q(1.0 / 3.0, 30)
+"""(°/s)²/s."""
+REST_SETTLED = in_q(0.03**2, at.Q_VARIANCE)
+REST_SAMPLES = in_q(0.03**4 / 1.0e-4, 37)
+MOTION_SETTLED = in_q(0.1**2, at.Q_VARIANCE)
+MOTION_SAMPLES = in_q(0.1**4 / 1.0e-4, 30)
+LARGEST_GAIN = (1 << 31) - 1
+XX = at.FINE_COVARIANCE
+XY = XX + 1
+XZ = XX + 2
+YY = XX + 3
+YZ = XX + 4
+ZZ = XX + 5
 
 
 @kernel
@@ -56,17 +64,29 @@ def watch_motion(d, k, weight, w, x, y, z):
 @kernel
 def learn_at_rest(d, k):
     """The smoothed rate is the bias."""
-    gain = _gain(d, REST_INFORMATION)
-    for j in range(THREE):
-        rate = np.int64(d[at.REST_RATE + 3 + j]) << (at.Q_BIAS - at.Q_RATE)
-        _move(d, k, j, gain, _limited(rate - np.int64(d[at.GYRO_BIAS + j])))
-    _shrink(d, k, REST_INFORMATION)
+    w = REST_SETTLED + product(np.int64(d[at.PER_PERIOD]), REST_SAMPLES, at.Q_PER_PERIOD + 37 - at.Q_VARIANCE)
+    ex, ey, ez = _rest_error(d, 0), _rest_error(d, 1), _rest_error(d, 2)
+    by = k[at.FINE_BIAS + 1]
+    bz = k[at.FINE_BIAS + 2]
+    one = np.int64(ONE_Q30)
+    none = np.int64(0)
+    _absorb(d, k, w, one, none, none, ex)
+    _absorb(d, k, w, none, one, none, ey - rounded_shift(k[at.FINE_BIAS + 1] - by, FINE))
+    _absorb(d, k, w, none, none, one, ez - rounded_shift(k[at.FINE_BIAS + 2] - bz, FINE))
+
+
+@kernel
+def _rest_error(d, axis):
+    rate = np.int64(d[at.REST_RATE + 3 + axis]) << (at.Q_BIAS - at.Q_RATE)
+    return _limited(rate - np.int64(d[at.GYRO_BIAS + axis]))
 
 
 @kernel
 def learn_in_motion(d, k, n_x, n_y, n_z, north, e_x, e_y, e_z, east):
     """Rows of R̄ for north and east, and the smoothed bias estimate in them."""
-    gain = _gain(d, MOTION_INFORMATION)
+    w = MOTION_SETTLED + product(
+        np.int64(d[at.PER_PERIOD]), MOTION_SAMPLES, at.Q_PER_PERIOD + 30 - at.Q_VARIANCE
+    )
     bx = np.int64(d[at.GYRO_BIAS])
     by = np.int64(d[at.GYRO_BIAS + 1])
     bz = np.int64(d[at.GYRO_BIAS + 2])
@@ -74,42 +94,72 @@ def learn_in_motion(d, k, n_x, n_y, n_z, north, e_x, e_y, e_z, east):
     north = _limited(north - np.int64(d[at.LEVEL_RATE]) - seen)
     seen = rounded_shift(e_x * bx + e_y * by + e_z * bz, 30)
     east = _limited(east - np.int64(d[at.LEVEL_RATE + 1]) - seen)
-    _move(d, k, 0, gain, rounded_shift(n_x * north + e_x * east, 30))
-    _move(d, k, 1, gain, rounded_shift(n_y * north + e_y * east, 30))
-    _move(d, k, 2, gain, rounded_shift(n_z * north + e_z * east, 30))
-    steady = rounded_shift(n_x * n_x + n_y * n_y + n_z * n_z, 30) + rounded_shift(
-        e_x * e_x + e_y * e_y + e_z * e_z, 30
-    )
-    _shrink(d, k, product(product(steady, THIRD, 30), MOTION_INFORMATION, 30))
+    _absorb(d, k, w, n_x, n_y, n_z, north)
+    dx = np.int64(d[at.GYRO_BIAS]) - bx
+    dy = np.int64(d[at.GYRO_BIAS + 1]) - by
+    dz = np.int64(d[at.GYRO_BIAS + 2]) - bz
+    _absorb(d, k, w, e_x, e_y, e_z, east - rounded_shift(e_x * dx + e_y * dy + e_z * dz, 30))
 
 
 @kernel
 def forget(d, k):
-    """Process noise, up to the variance of the beginning."""
-    if d[at.BIAS_VARIANCE] < FIRST_VARIANCE:
-        k[at.FINE_VARIANCE] += product(NOISE, np.int64(d[at.PERIOD]), 40 + at.Q_PERIOD - at.Q_FINE_VARIANCE)
-        _show_variance(d, k)
+    """Process noise; an axis never becomes more uncertain than it was at first."""
+    noise = product(NOISE, np.int64(d[at.PERIOD]), 40 + at.Q_PERIOD - at.Q_FINE_VARIANCE)
+    most = np.int64(FIRST_VARIANCE) << VARIANCE_SHIFT
+    if k[XX] < most:
+        k[XX] += noise
+    if k[YY] < most:
+        k[YY] += noise
+    if k[ZZ] < most:
+        k[ZZ] += noise
 
 
 @kernel
-def _gain(d, information):
-    """P I dt in Q32, at most 1."""
-    in_a_sample = product(information, np.int64(d[at.PERIOD]), 20 + at.Q_PERIOD - 30)
-    gain = product(np.int64(d[at.BIAS_VARIANCE]), in_a_sample, at.Q_VARIANCE + 30 - 32)
-    return min(gain, np.int64(1) << 32)
+def vertical_variance(k, x, y, z):
+    """Variance of the bias along a body direction in Q30, (°/s)² in Q30."""
+    px, py, pz = _projected(k, x, y, z)
+    return max(rounded_shift(x * px + y * py + z * pz, 30), np.int64(0))
 
 
 @kernel
-def _shrink(d, k, information):
-    gain = _gain(d, information)
-    less = product(gain, np.int64(d[at.BIAS_VARIANCE]), 32 + at.Q_VARIANCE - at.Q_FINE_VARIANCE)
-    k[at.FINE_VARIANCE] = max(k[at.FINE_VARIANCE] - less, np.int64(1))
-    _show_variance(d, k)
+def _projected(k, x, y, z):
+    """P times a direction."""
+    xx, xy, xz = _element(k, XX), _element(k, XY), _element(k, XZ)
+    yy, yz, zz = _element(k, YY), _element(k, YZ), _element(k, ZZ)
+    return (
+        rounded_shift(xx * x + xy * y + xz * z, 30),
+        rounded_shift(xy * x + yy * y + yz * z, 30),
+        rounded_shift(xz * x + yz * y + zz * z, 30),
+    )
 
 
 @kernel
-def _show_variance(d, k):
-    keep(d, k, at.BIAS_VARIANCE, rounded_shift(k[at.FINE_VARIANCE], at.Q_FINE_VARIANCE - at.Q_VARIANCE))
+def _element(k, place):
+    return rounded_shift(k[place], VARIANCE_SHIFT)
+
+
+@kernel
+def _absorb(d, k, w, x, y, z, innovation):
+    """One scalar measurement with the row (x, y, z) and the variance w."""
+    px, py, pz = _projected(k, x, y, z)
+    total = max(w + rounded_shift(x * px + y * py + z * pz, 30), w)
+    gx, gy, gz = _gain(px, total), _gain(py, total), _gain(pz, total)
+    _move(d, k, 0, gx, innovation)
+    _move(d, k, 1, gy, innovation)
+    _move(d, k, 2, gz, innovation)
+    bits = 32 + at.Q_VARIANCE - at.Q_FINE_VARIANCE
+    k[XX] = max(k[XX] - product(gx, px, bits), np.int64(0))
+    k[XY] -= product(gx, py, bits)
+    k[XZ] -= product(gx, pz, bits)
+    k[YY] = max(k[YY] - product(gy, py, bits), np.int64(0))
+    k[YZ] -= product(gy, pz, bits)
+    k[ZZ] = max(k[ZZ] - product(gz, pz, bits), np.int64(0))
+
+
+@kernel
+def _gain(p, total):
+    gain = quotient(p, total, 32)
+    return min(max(gain, np.int64(-LARGEST_GAIN)), np.int64(LARGEST_GAIN))
 
 
 @kernel

@@ -21,8 +21,6 @@ SIXTH = in_q(1.0 / 6.0, 30)
 GRAVITY = in_q(9.80665, at.Q_FORCE)
 LARGEST_TURN = in_q(0.3, 30)
 """Half the angle, rad, of a turn that can be of one iteration: more, and the attitude was set anew."""
-ALIGNED_SHARE = 3
-"""Quarters of levelling's averaging that the loop's alignment counts for; half as many of the heading's."""
 
 
 @kernel("int64(int32[::1], int64[::1], int32[::1], int64[::1])")
@@ -89,8 +87,8 @@ def _adopt(s, d, k):
         d[at.FORCE + j] = 0
         d[at.FORCE + 3 + j] = 0
     d[at.FORCE + 5] = -GRAVITY
-    k[at.FORCE_AGE] = max((k[at.SETTLED] * ALIGNED_SHARE) >> 2, np.int64(1))
-    k[at.HEADING_AGE] = max((k[at.SETTLED + 3] * ALIGNED_SHARE) >> 3, np.int64(1))
+    k[at.FORCE_AGE] = k[at.ALIGNED_AGES]
+    k[at.HEADING_AGE] = k[at.ALIGNED_AGES + 1]
 
 
 @kernel

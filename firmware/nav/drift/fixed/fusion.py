@@ -1,9 +1,8 @@
 """The drift compensation in fixed point: `step` of `..fusion` for a constant sample period.
 
 A sample is nine integers: ω (Q25 rad/s), f (Q22 m/s²), m (Q41 T); MISSING is a value that is none. Gains,
-limits and structure are those of the float filter; it differs in three things: the bias has one variance for
-all axes (`bias`), a missing rate is held without looking back, and after saturation levelling and heading are
-regained without bridging the peak.
+limits and structure are those of the float filter; it differs in two things: a missing rate is held without
+looking back, and after saturation levelling and heading are regained without bridging the peak.
 """
 
 import numpy as np
@@ -11,14 +10,20 @@ import numpy as np
 from firmware.nav.attitude.fixed.updates import by_rotation_vector
 from firmware.nav.drift import layout as flag
 from firmware.nav.drift.fixed import layout as at
-from firmware.nav.drift.fixed.bias import forget, learn_at_rest, learn_in_motion, watch_motion
+from firmware.nav.drift.fixed.bias import (
+    forget,
+    learn_at_rest,
+    learn_in_motion,
+    vertical_variance,
+    watch_motion,
+)
 from firmware.nav.drift.fixed.heading import take_field
 from firmware.nav.drift.fixed.levelling import keep_quaternion, level, quaternion_at, rotated
 from firmware.nav.drift.fixed.smoothing import grown, keep, smooth
 from firmware.numerics.dialect import kernel
 from firmware.numerics.fixed.angles import sine_cosine
 from firmware.numerics.fixed.arithmetic import in_q, limited, product, rounded_shift
-from firmware.numerics.fixed.quaternion import quaternion_product
+from firmware.numerics.fixed.quaternion import quaternion_product, rotation_matrix
 
 THREE = np.int32(3)
 TWELFTH = in_q(1.0 / 12.0, 31)
@@ -126,6 +131,8 @@ def fuse(d, k, fx, fy, fz, mx, my, mz):
     w, x, y, z = level_attitude(d)
     mx, my, mz = np.int64(mx), np.int64(my), np.int64(mz)
     if max(max(abs(mx), abs(my)), abs(mz)) <= LARGEST_FIELD and (mx != 0 or my != 0 or mz != 0):
+        c = rotation_matrix(w, x, y, z)
+        keep(d, k, at.BIAS_VARIANCE, vertical_variance(k, c[6], c[7], c[8]))
         mx, my, mz = rotated(w, x, y, z, mx, my, mz)
         take_field(d, k, rounded_shift(mx, 1), rounded_shift(my, 1), rounded_shift(mz, 1))
     else:

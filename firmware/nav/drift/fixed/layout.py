@@ -36,6 +36,7 @@ FIELD: Final = 52
 
 # --- d: the rest of the state ---
 BIAS_VARIANCE: Final = 56
+"""About the vertical."""
 HEADING_PACE: Final = 57
 """1/T of the heading."""
 FIELD_NORM: Final = 58
@@ -81,8 +82,6 @@ FINE_BIAS: Final = 21
 """GYRO_BIAS in Q50 (3)."""
 FINE_HEADING: Final = 24
 """HEADING · 2¹⁶."""
-FINE_VARIANCE: Final = 25
-"""BIAS_VARIANCE in Q50."""
 FINE_PACE: Final = 26
 """HEADING_PACE in Q40."""
 SATURATIONS: Final = 27
@@ -98,7 +97,11 @@ PAUSE: Final = 37
 YOUNG: Final = 38
 """Age that is left to the mean of the force after saturation."""
 UNLEVELLED_AGE: Final = 39
-K_SIZE: Final = 40
+ALIGNED_AGES: Final = 40
+"""Ages of the mean force and of the mean heading that the loop's alignment counts for."""
+FINE_COVARIANCE: Final = 42
+"""Of the bias: xx, xy, xz, yy, yz, zz in (°/s)², Q50."""
+K_SIZE: Final = 48
 
 # --- a sample for `step` ---
 SAMPLE_OMEGA: Final = 0

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from firmware.nav.drift.fixed import bias
 from firmware.nav.drift.fixed import layout as at
 from firmware.nav.drift.fixed.bias import FIRST_VARIANCE
 from firmware.nav.drift.fixed.heading import LARGEST_PACE
@@ -15,6 +16,7 @@ from firmware.numerics.fixed.arithmetic import LARGEST, in_q
 
 SHORTEST_PERIOD, LONGEST_PERIOD = 5.0e-4, 0.02
 FORCE_TAU, REST_TAU, FIELD_TAU, REFERENCE_TAU, HEADING_TAU = 3.0, 0.5, 0.05, 20.0, 5.0
+ALIGNED_S = 2.0
 TIMES_S = {
     at.REST_AFTER: 1.5,
     at.BELIEVED_AFTER: 0.5,
@@ -46,7 +48,7 @@ def new_state(
     k = np.zeros(at.K_SIZE, np.int64)
     d[[at.Q_NB, at.Q_FREE, at.Q_LEVEL]] = ONE_Q30
     d[at.BIAS_VARIANCE] = FIRST_VARIANCE
-    k[at.FINE_VARIANCE] = FIRST_VARIANCE << (at.Q_FINE_VARIANCE - at.Q_VARIANCE)
+    k[[bias.XX, bias.YY, bias.ZZ]] = FIRST_VARIANCE << bias.VARIANCE_SHIFT
     d[at.HEADING_PACE] = LARGEST_PACE
     k[at.FINE_PACE] = LARGEST_PACE << (at.Q_FINE_PACE - at.Q_PACE)
     d[at.CANDIDATE_NORM] = -1
@@ -62,9 +64,10 @@ def new_state(
         d[at.RATE_LIMIT] = min(round(limit), LARGEST)
     d[at.DECLINATION] = angle_of_radians(settings.declination)
     for number, tau in enumerate((FORCE_TAU, REST_TAU, FIELD_TAU, HEADING_TAU)):
-        k[at.SETTLED + number] = max(1, math.ceil(tau / period))
+        k[at.SETTLED + number] = max(1, math.ceil(tau / period - 1e-9))
+    k[at.ALIGNED_AGES] = k[at.ALIGNED_AGES + 1] = max(1, math.ceil(ALIGNED_S / period - 1e-9))
     for place, seconds in TIMES_S.items():
-        k[place] = max(1, round(seconds / period))
+        k[place] = max(1, math.ceil(seconds / period - 1e-9))
     k[at.REJECTED_TIME] = 2 * k[at.LONGEST_REJECTION]
     return d, k
 
