@@ -92,7 +92,7 @@ def _chips(board: Board) -> list[str]:
     return list(board.chips)
 
 
-def _able(ability: str) -> Callable[[Board], list[str]]:
+def able(ability: str) -> Callable[[Board], list[str]]:
     """Chips whose model has a method or property of that name."""
 
     def chips(board: Board) -> list[str]:
@@ -111,7 +111,7 @@ def _model(name: str) -> Any:
 
 def _clocked(board: Board) -> list[str]:
     """Chips with a clock that matters: of samples, or of a serial line."""
-    sampling = _able("set_clock_error")(board)
+    sampling = able("set_clock_error")(board)
     return [refdes for refdes, chip in board.chips.items() if chip.uart is not None or refdes in sampling]
 
 
@@ -165,16 +165,16 @@ TARGETS: dict[str, Callable[[Board], list[str]]] = {
     "i2c-stuck": _i2c_buses,
     "pin-stuck": _nets_from_chips,
     "sensor-frozen": _chips,
-    "sensor-stuck": _able("measures"),
-    "sensor-saturated": _able("measures"),
-    "sensor-drift": _able("measures"),
+    "sensor-stuck": able("measures"),
+    "sensor-saturated": able("measures"),
+    "sensor-drift": able("measures"),
     "chip-reset": _chips,
     "chip-off": _chips,
-    "chip-wrong-id": _able("pretend_id"),
+    "chip-wrong-id": able("pretend_id"),
     "chip-clock": _clocked,
-    "chip-halt": _able("halt"),
-    "chip-flags": _able("raise_flags"),
-    "chip-supply": _able("supply_v"),
+    "chip-halt": able("halt"),
+    "chip-flags": able("raise_flags"),
+    "chip-supply": able("supply_v"),
     "uart-cut": _lines_from_chips,
     "uart-bit-errors": _lines_from_chips,
     "uart-byte-loss": _lines_from_chips,

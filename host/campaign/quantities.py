@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from boards.description import Board, load_board
 from boards.hints import did_you_mean
+from host.campaign.fault_plan import able
 from host.record.errors import UserError
 
 
@@ -39,14 +40,20 @@ def quantity(board_name: str, asked: str) -> Quantity | None:
 
 
 def _bus_clock(board: Board, part: str) -> Quantity:
-    """Of the inertial sensor's bus, unless one is named."""
-    buses = [chip.bus for chip in board.chips.values() if chip.is_inertial and chip.bus is not None]
-    name = part or (buses[0] if buses else "")
+    """Of the inertial sensor's bus, else of the first chip's, unless one is named; a chip that is clocked in its
+    own way has its own key."""
+    on_buses = [(refdes, chip) for refdes, chip in board.chips.items() if chip.bus is not None]
+    on_buses.sort(key=lambda one: not one[1].is_inertial)
+    name = part or next((str(chip.bus) for _, chip in on_buses), "")
     if name not in board.buses:
         raise LookupError(f"{board.name} has no bus {name!r}; it has: {', '.join(board.buses) or 'none'}")
-    clock_hz = board.buses[name].clock_hz
+    key, clock_hz = f"board.buses.{name}.clock_hz", board.buses[name].clock_hz
+    for refdes, chip in on_buses:
+        if chip.bus == name and chip.spi is not None and chip.spi.clock_hz:
+            key, clock_hz = f"board.chips.{refdes}.spi.clock_hz", chip.spi.clock_hz
+            break
     values = tuple(str(clock_hz // divisor) for divisor in (64, 32, 16, 8, 4, 2, 1))
-    return Quantity(f"board.buses.{name}.clock_hz", "Hz", values)
+    return Quantity(key, "Hz", values)
 
 
 def _interrupt_latency(board: Board, part: str) -> Quantity:
@@ -57,11 +64,14 @@ def _interrupt_latency(board: Board, part: str) -> Quantity:
 
 
 def _sample_clock_error(board: Board, part: str) -> Quantity:
+    """Of a chip that samples by a clock of its own: the inertial sensor, unless one is named."""
+    clocked = set(able("set_clock_error")(board))
     chips = [
         refdes
         for refdes, chip in board.chips.items()
-        if "clock_error_ppm" in chip.parameters and part in ("", refdes)
+        if part in ("", refdes) and ("clock_error_ppm" in chip.parameters or refdes in clocked)
     ]
+    chips.sort(key=lambda refdes: not board.chips[refdes].is_inertial)
     if not chips:
         raise LookupError(
             f"{board.name} has no chip {part} with a parameter clock_error_ppm".replace("  ", " ")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -11,7 +13,9 @@ from host.campaign.fault_plan import TARGETS, strikes
 from host.campaign.plan import Plan, parse_changes, parse_seeds, parse_values, seeds_text
 from host.campaign.quantities import FINDERS, quantity
 from host.record.errors import UserError
+from host.record.result import RunRequest
 from host.run.faults import KINDS
+from host.run.runner import check
 from host.sim.gnss.faults import BASELINE_FAULT_KINDS, GNSS_FAULT_KINDS
 
 
@@ -111,7 +115,36 @@ def test_quantity_of_a_part() -> None:
 def test_every_kind_of_fault_has_its_targets() -> None:
     assert set(TARGETS) == {*KINDS, *GNSS_FAULT_KINDS}
     found = list(strikes(load_board("car_mems"), 10.0, 5.0))
-    assert {strike.kind for strike in found} == set(TARGETS) - set(BASELINE_FAULT_KINDS)  # one antenna
+    of_adis16407 = {"chip-halt", "chip-flags", "chip-supply"}
+    no_i2c = {kind for kind in KINDS if kind.startswith("i2c-")}
+    one_antenna = set(BASELINE_FAULT_KINDS)
+    assert {strike.kind for strike in found} == set(TARGETS) - one_antenna - of_adis16407 - no_i2c
     assert {strike.target for strike in found if strike.kind == "chip-off"} == {"U2", "U3"}
     with pytest.raises(UserError, match="did you mean 'uart-cut'"):
         list(strikes(load_board("car_mems"), 10.0, 5.0, ["uart-cat"]))
+
+
+EVERY_CHIP = str(Path(__file__).parent.parent / "run/every_chip")
+
+
+@pytest.mark.parametrize(
+    ("asked", "key"),
+    [
+        ("bus-clock", "board.buses.spi1.clock_hz"),
+        ("bus-clock:spi2", "board.chips.U2.spi.clock_hz"),
+        ("bus-clock:i2c1", "board.buses.i2c1.clock_hz"),
+        ("sample-clock-error", "board.chips.U1.parameters.clock_error_ppm"),
+        ("sample-clock-error:U3", "board.chips.U3.parameters.clock_error_ppm"),
+        ("sample-clock-error:U4", "board.chips.U4.parameters.clock_error_ppm"),
+    ],
+)
+def test_quantities_of_every_kind_of_chip(asked: str, key: str) -> None:
+    found = quantity(EVERY_CHIP, asked)
+    assert found is not None
+    assert found.key == key
+    check(RunRequest(EVERY_CHIP, None, None, 1, (f"{key}={found.values[1]}", "duration_s=1.0")))
+
+
+def test_a_receiver_has_no_sample_clock() -> None:
+    with pytest.raises(UserError, match="no chip U5"):
+        quantity(EVERY_CHIP, "sample-clock-error:U5")
