@@ -81,6 +81,27 @@ def rotation(yaw: float, pitch: float, roll: float) -> Array:
     return about_z @ about_y @ about_x
 
 
+def flight_angles(seconds: float) -> tuple[Array, Array, Array, Array]:
+    """Times of the samples, yaw, pitch and roll of `flight`."""
+    t = 0.5 * PERIOD * np.arange(2 * round(seconds / PERIOD) + 1)
+    return (
+        t,
+        FLIGHT_BEGIN[0] + 0.05 * t + 0.3 * np.sin(0.2 * t),
+        FLIGHT_BEGIN[1] + 0.2 * np.sin(0.31 * t) + 0.02 * np.sin(7.0 * t),
+        FLIGHT_BEGIN[2] + 0.7 * np.sin(0.17 * t) + 0.03 * np.sin(11.0 * t),
+    )
+
+
+def flight_field(seconds: float) -> Array:
+    """The Earth's field of `flight` in body axes with the sensor's noise, T."""
+    _, yaw, pitch, roll = flight_angles(seconds)
+    sy, cy, sp, cp, sr, cr = (f(a) for a in (yaw, pitch, roll) for f in (np.sin, np.cos))
+    north, down = 2.0e-5, 4.0e-5
+    ahead, right, below = cp * cy * north - sp * down, -sy * north, sp * cy * north + cp * down
+    field = np.column_stack((ahead, cr * right + sr * below, cr * below - sr * right))
+    return field + np.random.Generator(np.random.PCG64(8)).normal(0.0, 1.25e-7, field.shape)
+
+
 def flight(seconds: float, noise: bool = False) -> Array:
     """A small aircraft that circles, banks to 40° and shakes: samples in SI, every half iteration.
 
@@ -88,11 +109,7 @@ def flight(seconds: float, noise: bool = False) -> Array:
     nothing for the turning Earth, so that the speed found drifts by metres a second. With noise, the
     sensor's.
     """
-    count = 2 * round(seconds / PERIOD) + 1
-    t = 0.5 * PERIOD * np.arange(count)
-    yaw = FLIGHT_BEGIN[0] + 0.05 * t + 0.3 * np.sin(0.2 * t)
-    pitch = FLIGHT_BEGIN[1] + 0.2 * np.sin(0.31 * t) + 0.02 * np.sin(7.0 * t)
-    roll = FLIGHT_BEGIN[2] + 0.7 * np.sin(0.17 * t) + 0.03 * np.sin(11.0 * t)
+    t, yaw, pitch, roll = flight_angles(seconds)
     yaw_rate = 0.05 + 0.06 * np.cos(0.2 * t)
     pitch_rate = 0.062 * np.cos(0.31 * t) + 0.14 * np.cos(7.0 * t)
     roll_rate = 0.119 * np.cos(0.17 * t) + 0.33 * np.cos(11.0 * t)
@@ -113,7 +130,7 @@ def flight(seconds: float, noise: bool = False) -> Array:
         rng = np.random.Generator(np.random.PCG64(7))
         rates += rng.normal(0.0, 0.8 * DEG, rates.shape)
         forces += rng.normal(0.0, 0.09, forces.shape)
-    return np.column_stack((rates, forces, np.tile([2.0e-5, 0.0, 4.0e-5], (count, 1))))
+    return np.column_stack((rates, forces, np.tile([2.0e-5, 0.0, 4.0e-5], (len(t), 1))))
 
 
 def bursts(samples: Array) -> NDArray[np.int64]:
