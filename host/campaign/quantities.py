@@ -40,8 +40,8 @@ def quantity(board_name: str, asked: str) -> Quantity | None:
 
 
 def _bus_clock(board: Board, part: str) -> Quantity:
-    """Of the inertial sensor's bus, else of the first chip's, unless one is named; a chip that is clocked in its
-    own way has its own key."""
+    """Of the inertial sensor's bus, else of the first chip's, unless one is named; a chip that is clocked in
+    its own way has its own key."""
     on_buses = [(refdes, chip) for refdes, chip in board.chips.items() if chip.bus is not None]
     on_buses.sort(key=lambda one: not one[1].is_inertial)
     name = part or next((str(chip.bus) for _, chip in on_buses), "")
