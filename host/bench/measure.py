@@ -15,25 +15,28 @@ from host.bench.sampling import Shares
 from host.record.result import RunRequest
 
 BOARD, SCENARIO = "car_mems", "town-open"
+SCENARIOS = {BOARD: SCENARIO, "uav_ahrs": "flight"}
+"""What each board's speed is measured on."""
 TICKS_PER_S = 100
 BARE_FROM_S, BARE_TO_S = 200, 300
 
 
-def speed(repeats: int, duration_s: float | None) -> dict[str, Any]:
+def speed(repeats: int, duration_s: float | None, board: str = BOARD) -> dict[str, Any]:
     """× real time without and with capture, and where the time goes (of the runs without)."""
     from host.run.runner import run
 
+    scenario = SCENARIOS[board]
     overrides = () if duration_s is None else (f"duration_s={duration_s:g}",)
-    run(RunRequest(BOARD, SCENARIO, overrides=("duration_s=10",), capture=False))
+    run(RunRequest(board, scenario, overrides=("duration_s=10",), capture=False))
     shares = Shares()
     plain, captured = [], []
     with tempfile.TemporaryDirectory() as folder:
         for k in range(repeats):
-            plain.append(run(RunRequest(BOARD, SCENARIO, overrides=overrides, capture=False)))
+            plain.append(run(RunRequest(board, scenario, overrides=overrides, capture=False)))
             out = Path(folder) / str(k)
-            captured.append(run(RunRequest(BOARD, SCENARIO, overrides=overrides, out_dir=out)))
+            captured.append(run(RunRequest(board, scenario, overrides=overrides, out_dir=out)))
         with shares.taken():
-            sampled = run(RunRequest(BOARD, SCENARIO, overrides=overrides, capture=False))
+            sampled = run(RunRequest(board, scenario, overrides=overrides, capture=False))
     best = max(result.real_time_factor for result in plain)
     microseconds = 1e6 / TICKS_PER_S / best
     return {
