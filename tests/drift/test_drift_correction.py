@@ -56,7 +56,7 @@ def through_loop(motion, *, compensated=True, lost=0, profile="float32"):
 
 @pytest.fixture(scope="module")
 def motion():
-    return hand_motion(rate_hz=RATE_HZ, moving_s=30.0, turn=0.5).with_gyro(BIAS)
+    return hand_motion(rate_hz=RATE_HZ, moving_s=22.0, turn=0.5).with_gyro(BIAS)
 
 
 def errors_of(attitudes, numbers, motion, begin=0):
