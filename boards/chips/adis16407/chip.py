@@ -10,6 +10,7 @@ and written as of its beginning. The usual access, a burst of a sample that nobo
 from __future__ import annotations
 
 from boards.chips.adis16407.core import ALL_UNREAD, DEFECTS, SPI_ERROR, Core
+from boards.chips.adis16407.elements import elements
 from boards.chips.adis16407.flash import Flash
 from boards.chips.adis16407.pins import Pins, PinSide
 from boards.chips.adis16407.register_map import DIAG_STAT, GLOB_CMD, GPIO_CTRL, OUTPUTS, PROD_ID, REGISTERS
@@ -32,8 +33,9 @@ class Adis16407:
 
     `clock_error_ppm`: how much its sample clock is fast. `supply_v`, `aux_adc_v`: supply and voltage at the
     ADC input, which may be set later too. `serial_number`, `lot_id` (32 bits), `flash_count`: of this unit.
-    `defects`: what is broken ("gyro_x" … "accel_z", "barometer"), as the self-test finds it. `start_ns`:
-    when its supply comes up. `strict`: reports are raised as UndocumentedAccessError.
+    `defects`: what is broken ("gyro_x" … "accel_z", "barometer"), as the self-test finds it.
+    `g_effect_dps_per_g`, `accelerometer_places_mm`: what MSC_CTRL bits 7 and 6 take out (see `elements`).
+    `start_ns`: when its supply comes up. `strict`: reports are raised as UndocumentedAccessError.
     """
 
     feels = "ten_dof"
@@ -55,6 +57,8 @@ class Adis16407:
         lot_id: int = 1,
         flash_count: int = 0,
         defects: tuple[str, ...] | list[str] = (),
+        g_effect_dps_per_g: float = 0.0,
+        accelerometer_places_mm: list[list[float]] | None = None,
         start_ns: int = 0,
         strict: bool = False,
         name: str = "ADIS16407",
@@ -69,6 +73,7 @@ class Adis16407:
         identity = (lot_id & 0xFFFF, lot_id >> 16, serial_number)
         error_ppb = round(clock_error_ppm * 1000.0)
         self._core = core = Core(world, self.log, error_ppb, Flash(flash_count), identity)
+        core.sampler.elements = elements(name, g_effect_dps_per_g, accelerometer_places_mm)
         self.break_parts(*defects)
         core.set_analog(0, _volts(name, "supply_v", supply_v), _volts(name, "aux_adc_v", aux_adc_v))
         self._side = PinSide(time, core, self.log, self._reset_pin)
@@ -212,7 +217,10 @@ class Adis16407:
         if start_ns >= core.done_ns:
             core.advance(start_ns)
         elif start_ns >= sampler.next_ns:
-            core.sample(start_ns)
+            if core.lasting_flags or not sampler.step(start_ns):
+                core.sample(start_ns)
+            else:
+                core.unread = ALL_UNREAD
         if core.unread != ALL_UNREAD or core.diagnosis or core.overrides:
             return self._words(mosi, start_ns)
         core.unread = 0

@@ -63,7 +63,8 @@ class Core:
         self.wakes_on_select = False
         self.dac_code = 0
         """At the output, latched."""
-        self._trouble = 0
+        self.lasting_flags = 0
+        """DIAG_STAT flags that come back with every sample: a fault."""
         self._log = log
         self._identity = identity
         self.done_ns = FAR
@@ -96,7 +97,7 @@ class Core:
         self.advance(time_ns)
         if self.answers_ns <= time_ns:
             flags = self.sampler.external(time_ns)
-            self.diagnosis |= flags | self._trouble
+            self.diagnosis |= flags | self.lasting_flags
             self.unread = self.unread if self.sampler.halted else ALL_UNREAD
 
     def sample(self, time_ns: int) -> None:
@@ -105,8 +106,8 @@ class Core:
         if sampler.next_ns <= time_ns:
             if not sampler.step(time_ns):
                 self.diagnosis |= sampler.advance(time_ns)
-            if self._trouble:
-                self.diagnosis |= self._trouble
+            if self.lasting_flags:
+                self.diagnosis |= self.lasting_flags
             self.unread = ALL_UNREAD
 
     # -- supply and reset --------------------------------------------------------------------------
@@ -174,7 +175,7 @@ class Core:
     def trouble(self, flags: int, time_ns: int) -> None:
         """DIAG_STAT flags that come back with every sample from now on."""
         self.advance(time_ns)
-        self._trouble = flags
+        self.lasting_flags = flags
 
     # -- reads -------------------------------------------------------------------------------------
 

@@ -54,13 +54,11 @@ class PinSide:
         self._driven: set[str] = set()
 
     def levels(self) -> int:
-        """Bits 11 … 8 of GPIO_CTRL: what is at the pins that are no outputs, and the outputs' own level."""
-        values = self._core.registers.values
-        driven = values[reg.GPIO_CTRL + 1]
-        outputs = values[reg.GPIO_CTRL]
+        """Bits 11 … 8 of GPIO_CTRL: what is at the pins that are inputs, of the others what was written."""
+        driven = self._core.registers.values[reg.GPIO_CTRL + 1]
         for k, name in enumerate(DIO):
             net = self.pins[name]
-            if net is not None and not outputs >> k & 1:
+            if net is not None and self._function(k) in (INPUT, CLOCK):
                 driven = driven & ~(1 << k) | net.level << k
         return driven << 8
 

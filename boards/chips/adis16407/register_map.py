@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from boards.chips.registers import Access, NotModelled, Register
+from boards.chips.registers import Access, Register
 
 FLASH_CNT = 0x00
 SUPPLY_OUT, AUX_ADC = 0x02, 0x1C
@@ -23,10 +23,6 @@ _OUTPUT_NAMES = (
     "SUPPLY_OUT", "XGYRO_OUT", "YGYRO_OUT", "ZGYRO_OUT", "XACCL_OUT", "YACCL_OUT", "ZACCL_OUT",
     "XMAGN_OUT", "YMAGN_OUT", "ZMAGN_OUT", "BARO_OUT", "BARO_OUTL", "TEMP_OUT", "AUX_ADC",
 )  # fmt: skip
-_COMPENSATION = (
-    NotModelled(0x80, "linear-acceleration compensation of the gyros"),
-    NotModelled(0x40, "alignment of the accelerometers' origin"),
-)
 
 # name, address, access, reset, bits without a meaning
 _WORDS: tuple[tuple[str, int, Access, int, int], ...] = (
@@ -59,8 +55,7 @@ _WORDS: tuple[tuple[str, int, Access, int, int], ...] = (
 def _bytes_of(
     name: str, address: int, access: Access, reset: int, reserved: int
 ) -> tuple[Register, Register]:
-    tags = _COMPENSATION if address == MSC_CTRL else ()
-    low = Register(address, name, access, reset & 0xFF, reserved & 0xFF, tags)
+    low = Register(address, name, access, reset & 0xFF, reserved & 0xFF)
     return low, Register(address + 1, name, access, reset >> 8, reserved >> 8)
 
 

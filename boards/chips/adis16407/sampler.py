@@ -27,6 +27,7 @@ from boards.chips.adis16407.block_kernels import (
     image_block,
     range_block,
 )
+from boards.chips.adis16407.elements import Elements
 from boards.chips.adis16407.settings import (
     CLOCK_HZ,
     NOISE_BANDWIDTH_HZ,
@@ -72,6 +73,7 @@ class Sampler:
     def __init__(self, world: TenDofWorld, error_ppb: int) -> None:
         self.world = world
         self._error_ppb = error_ppb
+        self.elements = Elements()
         self.supply_v = 5.0
         self.adc_v = 0.0
         self.conversion = Conversion()
@@ -253,7 +255,7 @@ class Sampler:
         setting = self.conversion
         back = max((alarm.samples for alarm in setting.alarms), default=0)
         start = max(0, self._before - back - 2 * (setting.taps - 1))
-        raw = self._raw[start:]
+        raw = self.elements.feel(self._raw[start:], setting, self._period / CLOCK_HZ)
         before = self._before - start
         filtered = np.empty_like(raw)
         filter_block(raw, setting.taps, np.empty(len(raw) + setting.taps), filtered)

@@ -51,6 +51,10 @@ class Conversion:
     deflection: int = 0
     """Manual self-test: 1 positive, −1 negative."""
     alarms: tuple[AlarmSetting, ...] = ()
+    compensated: bool = False
+    """Gyros: without the effect of force."""
+    aligned: bool = False
+    """Accelerometers: as if all three sat at the part's origin."""
 
 
 def signed(value: int, bits: int) -> int:
@@ -91,6 +95,8 @@ def conversion(values: bytes | bytearray) -> Conversion:
         hard_iron=tuple(signed(word(values, reg.MAGN_HIC + 2 * k), 14) for k in axes),
         soft_iron=tuple((word(values, reg.MAGN_SIC + 2 * k) & 0xFFF) / 2048.0 for k in axes),
         deflection=(control >> 8 & 1) - (control >> 9 & 1),
+        compensated=bool(control & 0x80),
+        aligned=bool(control & 0x40),
         alarms=tuple(alarm for alarm in (_alarm(values, 0), _alarm(values, 1)) if alarm.column >= 0),
     )
 
