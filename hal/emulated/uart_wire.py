@@ -62,14 +62,30 @@ class UartWire:
         """Queue bytes behind what is still being sent; returns how many found room."""
         data = bytes(data)
         taken = len(data)
-        room = self.capacity if self._end <= self.time.now else self.free
+        now = self.time.now
+        idle = self._end <= now
+        room = self.capacity if idle else self.free
         if room is not None and taken > room:
             taken = room
             data = data[:taken]
         for fault in self._faults:
             data = fault.sent(data)
-        if data:
-            self._put_on_line(self._behind_the_queue(data))
+        if not data:
+            return taken
+        if idle:
+            self._queue.clear()
+            piece = SentBytes(data, now, 0, self.forced_baud or self.baud)
+        else:
+            piece = self._behind_the_queue(data)
+        self._queue.append(piece)
+        self._end = end = piece.end
+        self._line_ns += end - piece.begin
+        self.bytes_sent += len(data)
+        if self._stepping:
+            self._send_stepping(piece)
+        else:
+            for receiver in self._receivers:
+                receiver.announce(piece)
         return taken
 
     def set_baud(self, baud: int) -> None:
@@ -184,24 +200,9 @@ class UartWire:
 
     # ----------------------------------------------------------------------------------------------
 
-    def _put_on_line(self, piece: SentBytes) -> None:
-        self._queue.append(piece)
-        self._end = end = piece.end
-        self._line_ns += end - piece.begin
-        self.bytes_sent += len(piece.data)
-        if self._stepping:
-            self._send_stepping(piece)
-        else:
-            for receiver in self._receivers:
-                receiver.announce(piece)
-
     def _behind_the_queue(self, data: bytes) -> SentBytes:
-        """Where the line carries these bytes: now, or behind what is still being sent."""
-        now = self.time.now
+        """Where the line carries these bytes: behind what is still being sent."""
         baud = self.forced_baud or self.baud
-        if self._end <= now:
-            self._queue.clear()
-            return SentBytes(data, now, 0, baud)
         self._forget_sent()
         last = self._queue[-1]
         if last.baud == baud:
