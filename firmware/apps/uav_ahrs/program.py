@@ -41,7 +41,7 @@ class UavAhrs:
         io, settings = self._io, self._settings
         attitude = Attitude(self._kernels, self._config)
         self._attitude = attitude
-        sensor = Sensor(io, attitude, settings.self_test)
+        sensor = Sensor(io, attitude, settings)
         output = Output(io, settings, attitude, sensor)
         tasks = AttitudeTasks(io, settings, attitude, output)
         sensor.ready = tasks.line.pend

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from firmware.apps.uav_ahrs.attitude import Attitude
 from firmware.apps.uav_ahrs.plausibility import FAILED_ROW
 from firmware.apps.uav_ahrs.sample_phase import UNKNOWN, SamplePhase
+from firmware.apps.uav_ahrs.settings import Settings
 from firmware.apps.uav_ahrs.steps import READY
 from firmware.drivers.adis16407 import PRODUCT_ID, Adis16407, Adis16407Config, Outcome
 from firmware.drivers.adis16407_sample import BURST_LENGTH
@@ -40,7 +41,7 @@ SILENT_READS = 75
 class Sensor:
     """Owns the chip, the timer and the burst."""
 
-    def __init__(self, io: BoardIo, attitude: Attitude, self_test: bool) -> None:
+    def __init__(self, io: BoardIo, attitude: Attitude, settings: Settings) -> None:
         # As at power-on (the document sets nothing): ±300 °/s, 819.2 Hz; data ready on DIO1 is not wired.
         self.chip = Adis16407(io.spi["imu"], io.cpu, Adis16407Config())
         self.read_at_ns = 0
@@ -60,10 +61,10 @@ class Sensor:
         self._attitude = attitude
         self._take = attitude.take_burst
         self._raw = self.chip.raw
-        self._wants_self_test = self_test
+        self._wants_self_test = settings.self_test
         self._nothing: NDArray[np.uint8] = np.zeros(BURST_LENGTH, np.uint8)
         self._answers = False
-        self._cost = io.cpu.cost("take_burst")
+        self._cost = io.cpu.cost(f"take_burst_{settings.arithmetic}")
         self._line: InterruptLine | None = None
 
     def begin(self) -> Outcome:
