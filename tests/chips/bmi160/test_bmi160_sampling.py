@@ -5,7 +5,6 @@ from __future__ import annotations
 from fractions import Fraction
 from itertools import pairwise
 from math import ceil, floor, pi, radians
-from struct import unpack
 
 import numpy as np
 import pytest
@@ -344,47 +343,6 @@ def test_narrower_sensor_has_less_noise_when_the_other_one_is_wide(acc_conf: int
         rig.wait(40 * MS - 13 * BYTE_NS)
     assert np.std(gyro) == pytest.approx(0.5 * 16.4 * 180 / pi, rel=0.05)
     assert np.std(accel) == pytest.approx(0.5 / G * 16384 / ratio**0.5, rel=0.08)
-
-
-# -- temperature -------------------------------------------------------------------------------------------
-
-
-def temperature(rig: Rig) -> int:
-    return int(unpack("<h", rig.read(0x20, 2))[0])
-
-
-@pytest.mark.parametrize(("celsius", "counts"), [(23.0, 0), (25.0, 1024), (-10.0, -16896), (86.0, 32256)])
-def test_temperature_scale(celsius: float, counts: int) -> None:
-    rig = Rig(motion=lambda t: {"temperature": celsius})
-    rig.start()
-    rig.wait(20 * MS)
-    assert temperature(rig) == counts
-
-
-@pytest.mark.parametrize(("celsius", "counts"), [(200.0, 0x7FFF), (-200.0, -0x7FFF)])
-def test_temperature_never_shows_the_code_for_invalid(celsius: float, counts: int) -> None:
-    rig = Rig(motion=lambda t: {"temperature": celsius})
-    rig.start()
-    rig.wait(20 * MS)
-    assert temperature(rig) == counts
-
-
-@pytest.mark.parametrize(("gyro", "refresh_ms"), [(True, 10), (False, 1280)])
-def test_temperature_refresh(gyro: bool, refresh_ms: int) -> None:
-    rig = Rig(motion=lambda t: {"temperature": 23.0 + t})
-    rig.start(gyro=gyro)
-    for step in range(40):
-        rig.until(3_000 * MS + step * 77 * MS)
-        refreshed = rig.time.now // (refresh_ms * MS) * refresh_ms
-        assert temperature(rig) == round(refreshed / 1000 * 512)
-
-
-def test_temperature_reads_zero_before_its_first_refresh() -> None:
-    rig = Rig()
-    rig.start(accel=False, gyro=False)
-    assert temperature(rig) == 0
-    rig.until(1_280 * MS)
-    assert temperature(rig) == 1024
 
 
 # -- laziness ----------------------------------------------------------------------------------------------

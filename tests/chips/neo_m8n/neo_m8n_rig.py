@@ -181,3 +181,8 @@ def nmea_messages(data: bytes) -> list[Any]:
 def ubx_messages(data: bytes, broken: int = 2) -> list[Any]:
     """UBX messages parsed by pyubx2; sentences in between are skipped, broken frames raise (0: are left)."""
     return [parsed for _, parsed in UBXReader(io.BytesIO(data), protfilter=2, quitonerror=broken)]
+
+
+def rate_of(rig: Rig) -> int:
+    """The measurement period that the receiver answers, ms."""
+    return next(m.measRate for m in rig.ask(ubx(6, 8)) if m.identity == "CFG-RATE")
