@@ -17,7 +17,7 @@ from firmware.numerics.subnormals import check_subnormals
 from host.attach.shadow import Loop
 from host.record.errors import UserError
 from host.record.manifest import build_manifest
-from host.replay.setting import recorded_setup
+from host.replay.setting import check_manifest, recorded_setup
 from host.run.intake import HOST_PORT
 from host.run.own_modules import make_importable
 from host.run.setup import BOARD_PREFIX, PROFILE_PREFIX
@@ -91,6 +91,7 @@ def setup_of_capture(
 ) -> BoardSetup:
     """The setup that a capture was made with; `board`, `profile` in place of the recorded ones, `overrides`
     on top. Raises UserError."""
+    check_manifest(manifest)
     recorded = tuple(str(change) for change in manifest["overrides"])
     if manifest["scenario"] == ATTACHED:
         kept = () if profile not in (None, manifest["profile"]) else recorded

@@ -36,6 +36,7 @@ from numpy.typing import ArrayLike
 from hal.emulated.can_bursts import HeardFrame, HeardSets
 from hal.emulated.i2c import I2cTransfer
 from hal.errors import ErrorKind
+from host.record.errors import UserError
 
 SPI_HEAD = struct.Struct("<qII")
 UART_HEAD = struct.Struct("<qI")
@@ -174,14 +175,18 @@ class Mark:
 Traffic = SpiTransaction | I2cTransaction | LinePiece | LineCut | UartChunk | CanMessage | PinEdge | Mark
 
 
+class DamagedBlockError(UserError, ValueError):
+    """A block is not what its schema says."""
+
+
 def unpack(schema: str, topic: str, block: bytes) -> Iterator[Traffic]:
-    """The records of one block, in their order. ValueError when the block ends inside a record."""
+    """The records of one block, in their order. DamagedBlockError when the block ends inside a record."""
     for record, _begin, _end in spans(schema, topic, block):
         yield record
 
 
 def spans(schema: str, topic: str, block: bytes) -> Iterator[tuple[Traffic, int, int]]:
-    """The records of one block with their places in it, [begin, end). ValueError as `unpack`."""
+    """The records of one block with their places in it, [begin, end). DamagedBlockError as `unpack`."""
     read = READERS[schema]
     place = 0
     while place < len(block):
@@ -189,8 +194,14 @@ def spans(schema: str, topic: str, block: bytes) -> Iterator[tuple[Traffic, int,
             record, end = read(topic, block, place)
         except struct.error:
             end = len(block) + 1
+        except DamagedBlockError:
+            raise
+        except (IndexError, ValueError) as error:
+            raise DamagedBlockError(f"{topic}: no topic of {schema}: {error}") from None
         if end > len(block):
-            raise ValueError(f"{topic}: a block of {len(block)} bytes ends inside the record at byte {place}")
+            raise DamagedBlockError(
+                f"{topic}: a block of {len(block)} bytes ends inside the record at byte {place}"
+            )
         yield record, place, end
         place = end
 
@@ -334,7 +345,7 @@ def _i2c(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
     written = place + I2C_HEAD.size
     read, end = written + n, written + n + m
     if refusal >= len(REFUSALS):
-        raise ValueError(f"{topic}: a record at byte {place} tells the unknown refusal {refusal}")
+        raise DamagedBlockError(f"{topic}: a record at byte {place} tells the unknown refusal {refusal}")
     sent, came = block[written:read], block[read:end]
     transfer = I2cTransfer(start_ns, end_ns, address, sent, acknowledged, asked, came, REFUSALS[refusal])
     return I2cTransaction(topic.split("/")[2], transfer), end

@@ -85,7 +85,7 @@ class CaptureReader:
             if message.is_raw:
                 yield from unpack(message.schema.name, message.topic, message.data)
             else:
-                yield Decoded(message.topic, message.time_ns, json.loads(message.data))
+                yield Decoded(message.topic, message.time_ns, self.row(message))
 
     def messages(self) -> Iterator[RawMessage]:
         """Every message as it stands in the file."""
@@ -99,6 +99,10 @@ class CaptureReader:
                 yield RawMessage(
                     channel.topic, channel.message_encoding, schema, record.log_time, record.data
                 )
+
+    def row(self, message: RawMessage) -> dict[str, Any]:
+        """The table in a JSON message. Raises UserError when there is none."""
+        return self._parsed(message.data, f"a message of {message.topic}")
 
     def in_time_order(self, topics: Iterable[str]) -> Iterator[RawMessage]:
         """Messages of some topics by their times, wherever they stand; needs the index of a whole file."""
@@ -125,7 +129,7 @@ class CaptureReader:
                     continue
                 channel = self._channels[record.channel_id]
                 if channel.topic == MARK_TOPIC:
-                    (end_ns,) = MARK.unpack(record.data)
+                    end_ns = self._mark(record.data)
                     yield Window(end_ns, _joined(raw), control)
                     raw, control = {}, []
                 elif channel.topic == CONTROL[0]:
@@ -213,6 +217,11 @@ class CaptureReader:
             self.summary = dict(record.metadata)
         elif isinstance(record, Metadata) and record.name == "capture":
             self.format = record.metadata["format"]
+
+    def _mark(self, data: bytes) -> int:
+        if len(data) != MARK.size:
+            raise UserError(f"capture {self.path}: {MARK_TOPIC} is damaged: a mark of {len(data)} bytes")
+        return int(MARK.unpack(data)[0])
 
     def _parsed(self, text: bytes, what: str) -> dict[str, Any]:
         try:

@@ -63,7 +63,7 @@ class StretchReader(CaptureReader):
 def _summary_of(file: BinaryIO) -> Summary | None:
     try:
         return make_reader(file).get_summary()
-    except (McapError, ValueError, struct.error):
+    except (McapError, ValueError, struct.error, OSError):
         return None
 
 

@@ -30,7 +30,7 @@ def decoded_anew(tail: Tail, run: RecordedRun) -> list[RowMessage]:
     clock = _Clock()
     intake = LinkIntake(clock.virtual_ns, run.truth, rows, run.receiver, run.installation)
     pieces = tail.pieces()
-    resets = [one for one in tail.clocks if one["processor"] == run.processor]
+    resets = [one for one in tail.clocks() if one["processor"] == run.processor]
     for place, reset in enumerate(resets):
         clock.reset_ns, clock.rate = reset["reset_ns"], SECOND + reset["rate_ppb"]
         until_ns = resets[place + 1]["reset_ns"] if place + 1 < len(resets) else tail.mark_ns
@@ -58,7 +58,7 @@ class MissingRows:
 
     def __init__(self, tail: Tail) -> None:
         self._last_ns = tail.last_ns
-        self._said: Counter[tuple[int, str]] = Counter(tail.texts)
+        self._said: Counter[tuple[int, str]] = tail.texts()
         self._scorer = Scorer()
         self._thinning = Thinning()
         self._row_messages = RowMessages()

@@ -32,16 +32,13 @@ class Tail:
         """Everything up to here is in the file."""
         self.last_ns: dict[str, int] = {}
         """Of each decoded topic the last row's time."""
-        self.texts: Counter[tuple[int, str]] = Counter()
-        """What the board has said, as far as it was decoded."""
-        self.clocks: list[dict[str, Any]] = []
-        self.commands: list[dict[str, Any]] = []
         self._blocks: deque[RawMessage] = deque()
+        self._words: dict[str, list[bytes]] = {EVENTS[0]: [], CLOCK[0]: [], CONTROL[0]: []}
 
     def add(self, message: RawMessage) -> None:
         """One more message."""
         topic = message.topic
-        if topic == MARK_TOPIC:
+        if topic == MARK_TOPIC and len(message.data) == MARK.size:
             (self.mark_ns,) = MARK.unpack(message.data)
             while self._blocks and self._blocks[0].time_ns < self.mark_ns - KEPT_NS:
                 self._blocks.popleft()
@@ -49,12 +46,27 @@ class Tail:
             self._blocks.append(message)
         elif topic in DECODED:
             self.last_ns[topic] = max(self.last_ns.get(topic, -1), message.time_ns)
-        elif topic == CLOCK[0]:
-            self.clocks.append(json.loads(message.data))
-        elif topic == CONTROL[0]:
-            self.commands.append(json.loads(message.data))
-        elif topic == EVENTS[0]:
-            self._event(json.loads(message.data))
+        elif topic in self._words:
+            self._words[topic].append(message.data)
+
+    @property
+    def tells_clocks(self) -> bool:
+        """Whether it is known when clocks began to count: since format 4."""
+        return bool(self._words[CLOCK[0]])
+
+    def clocks(self) -> list[dict[str, Any]]:
+        """Messages of /clock."""
+        return [json.loads(text) for text in self._words[CLOCK[0]]]
+
+    def commands(self) -> list[dict[str, Any]]:
+        """What was done to the board from outside."""
+        return [json.loads(text) for text in self._words[CONTROL[0]]]
+
+    def texts(self) -> Counter[tuple[int, str]]:
+        """What the board has said and when, as far as it was decoded."""
+        events = [json.loads(text) for text in self._words[EVENTS[0]]]
+        said = [(round(e["t_s"] * 1e9), e["text"]) for e in events if e["source"] == "board"]
+        return Counter(said)
 
     def pieces(self) -> list[Piece]:
         """What the board sent to the host in the last minutes, and when the last byte of each piece ended."""
@@ -64,7 +76,3 @@ class Tail:
                 assert isinstance(record, UartChunk)
                 found.append((record.data, record.end_ns))
         return found
-
-    def _event(self, event: dict[str, Any]) -> None:
-        if event["source"] == "board":
-            self.texts[round(event["t_s"] * 1e9), event["text"]] += 1

@@ -38,7 +38,7 @@ class WholeReader(CaptureReader):
         for message in super().messages():
             tail.add(message)
             yield message
-        if self._was_cut_off() and tail.clocks:
+        if self._was_cut_off() and tail.tells_clocks:
             yield from self._missing(tail)
 
     def _was_cut_off(self) -> bool:
@@ -48,7 +48,7 @@ class WholeReader(CaptureReader):
 
     def _missing(self, tail: Tail) -> Iterator[RawMessage]:
         try:
-            run = RecordedRun(self.manifest, tail.commands)
+            run = RecordedRun(self.manifest, tail.commands())
             found = decoded_anew(tail, run)
         except (UserError, DescriptionError, ScenarioError, KeyError, TypeError, ValueError) as error:
             self.notes.append(

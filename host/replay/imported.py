@@ -8,7 +8,6 @@ their instants.
 
 from __future__ import annotations
 
-import json
 import math
 from array import array
 from typing import Any
@@ -47,11 +46,11 @@ class ImportedContent:
         rows: dict[str, list[dict[str, Any]]] = {"/gnss": [], "/truth": []}
         for message in reader.messages():
             if message.topic.startswith(IMU_TOPIC):
-                row = json.loads(message.data)
+                row = reader.row(message)
                 values = [math.nan if row[name] is None else row[name] for name in COLUMNS]
                 samples.setdefault(message.topic.removeprefix(IMU_TOPIC), array("d")).extend(values)
             elif message.topic in rows:
-                rows[message.topic].append(json.loads(message.data))
+                rows[message.topic].append(reader.row(message))
         tables = {name: np.array(flat).reshape(-1, len(COLUMNS)) for name, flat in samples.items()}
         tables = {name: table for name, table in tables.items() if len(table) > 1}
         self._check(reader, tables, rows["/gnss"])

@@ -20,7 +20,7 @@ from host.recovery.whole_reader import WholeReader
 from host.replay.imported import ImportedContent, imported_manifest
 from host.replay.recorded_world import CaptureContent, RecordedContent, RecordedVehicle, RecordedWorld
 from host.replay.request import REPLAY_FORMAT, ReplayRequest
-from host.replay.setting import recorded_board, recorded_setup
+from host.replay.setting import check_manifest, recorded_board, recorded_setup
 from host.run.runner import run_in_world
 from host.run.setup import BOARD_PREFIX, PROFILE_PREFIX, Setup
 
@@ -54,6 +54,7 @@ def replay_physical(request: ReplayRequest) -> PhysicalResult:
         manifest = imported_manifest(imported, reader, request)
         content, rules = imported, "recording"
     else:
+        check_manifest(reader.manifest)
         manifest = {**reader.manifest, "overrides": [*reader.manifest["overrides"], *request.overrides]}
         content, rules = CaptureContent(reader, recorded_board(reader.manifest)), "simulated"
     setup = recorded_setup(manifest, request.board, request.profile)

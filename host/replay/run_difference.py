@@ -108,7 +108,7 @@ class _Run:
             reader = WholeReader(self.capture)
             for message in reader.messages():
                 if message.topic == "/solution":
-                    self.rows.append(json.loads(message.data))
+                    self.rows.append(reader.row(message))
             self.manifest = reader.manifest
             self.state_hash = (reader.summary or {}).get("state_hash")
             self.end_s = (reader.end_ns or 0) / NS or (self.rows[-1]["t_s"] if self.rows else 0.0)

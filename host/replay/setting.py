@@ -19,6 +19,16 @@ from host.sim.scenario.load import merged, scenario_from
 from host.sim.scenario.overrides import apply_overrides
 from host.sim.scenario.schema import Scenario
 
+NEEDED: dict[str, type] = {
+    "board": str,
+    "board_text": str,
+    "scenario": str,
+    "scenario_text": str,
+    "profile": str,
+    "seed": int,
+    "overrides": list,
+}
+"""What the manifest of a run tells, and as what."""
 INHERITED = "\n# --- inherited: "
 """Stands between the texts of a scenario and of what it inherits (`host.sim.scenario.load.source_text`)."""
 
@@ -29,16 +39,7 @@ def recorded_setup(manifest: Mapping[str, Any], board: str | None, profile: str 
     `board`, `profile`: others in place of the recorded ones; what the recorded run changed of its own board
     or profile then does not apply. Raises UserError, DescriptionError or ScenarioError.
     """
-    if manifest.get("format") == IMPORT_FORMAT:
-        raise UserError(
-            "the capture was imported: there is no run in it that could be repeated; drive a board by it with"
-            " --board car_mems --mode physical"
-        )
-    if manifest.get("format") != MANIFEST_FORMAT:
-        raise UserError(
-            f"the capture's manifest is of format {manifest.get('format')!r}; this version reads"
-            f" {MANIFEST_FORMAT!r} as written by navtwin run"
-        )
+    check_manifest(manifest)
     if "attached_to" in manifest:
         raise UserError(
             f"the capture is of a real board at {manifest['attached_to']}: its buses were not recorded;"
@@ -58,11 +59,33 @@ def recorded_setup(manifest: Mapping[str, Any], board: str | None, profile: str 
 
 
 def recorded_board(manifest: Mapping[str, Any]) -> Board:
-    """The board as it was when the capture was made. Raises DescriptionError or ScenarioError."""
+    """The board as it was when the capture was made. Raises UserError, DescriptionError or ScenarioError."""
+    check_manifest(manifest)
     overrides = [str(change) for change in manifest["overrides"]]
     data = merged(_parsed(str(manifest["board_text"]), "board_text"), recorded_scenario(manifest).board)
     described = apply_overrides(data, _with_prefix(overrides, BOARD_PREFIX))
     return validated(Board, described, f"board {manifest['board']} in the capture")
+
+
+def check_manifest(manifest: Mapping[str, Any]) -> None:
+    """Raises UserError when it is not that of a run, or lacks what that tells."""
+    if manifest.get("format") == IMPORT_FORMAT:
+        raise UserError(
+            "the capture was imported: there is no run in it that could be repeated; drive a board by it with"
+            " --board car_mems --mode physical"
+        )
+    if manifest.get("format") != MANIFEST_FORMAT:
+        raise UserError(
+            f"the capture's manifest is of format {manifest.get('format')!r}; this version reads"
+            f" {MANIFEST_FORMAT!r} as written by navtwin run"
+        )
+    for key, kind in NEEDED.items():
+        if not isinstance(manifest.get(key), kind):
+            found = f"is {manifest[key]!r}" if key in manifest else "is missing"
+            raise UserError(
+                f"the capture's manifest is damaged: {key!r} {found:.60}; a run of navtwin writes a"
+                f" {kind.__name__} there"
+            )
 
 
 def board_text_differs(manifest: Mapping[str, Any], board: str | None) -> bool:
@@ -80,6 +103,7 @@ def _parsed(text: str, name: str) -> dict[str, Any]:
 
 def recorded_scenario(manifest: Mapping[str, Any]) -> Scenario:
     """The scenario that the capture was made with. Raises UserError or ScenarioError."""
+    check_manifest(manifest)
     overrides = [str(change) for change in manifest["overrides"]]
     data: dict[str, Any] = {}
     own, *inherited = str(manifest["scenario_text"]).split(INHERITED)
