@@ -9,7 +9,7 @@ from functools import partial
 from typing import Any, Final
 
 from firmware.nav.drift.settings import DriftSettings
-from host.attitude.estimates import Estimate, by_drift_filter
+from host.attitude.estimates import Estimate, UnsupportedRateError, by_drift_filter
 from host.attitude.peers import by_peer
 from host.attitude.recording import AttitudeRecording
 from host.attitude.regaining import LIMIT_DEG, Regaining, regaining
@@ -43,6 +43,8 @@ class Result:
     score: AttitudeScore
     regaining: Regaining | None
     """None when nobody looked for saturation."""
+    left_out: str | None = None
+    """Why there are no figures."""
 
 
 def contenders(
@@ -63,7 +65,10 @@ def contenders(
 
 def compared(recording: AttitudeRecording, contender: Contender) -> Result:
     """Run and score one contender."""
-    estimate = contender.estimate(recording)
+    try:
+        estimate = contender.estimate(recording)
+    except UnsupportedRateError as error:
+        return Result(recording.name, contender, AttitudeScore(*[float("nan")] * 3), None, str(error))
     errors = attitude_errors(estimate.quaternions, recording.reference)
     regained = None
     if estimate.saturated is not None:
@@ -94,7 +99,8 @@ def averages(results: Sequence[Result]) -> list[tuple[Contender, AttitudeScore, 
     """Mean errors of every contender, over so many recordings."""
     by_contender: dict[int, list[Result]] = {}
     for result in results:
-        by_contender.setdefault(id(result.contender), []).append(result)
+        if result.left_out is None:
+            by_contender.setdefault(id(result.contender), []).append(result)
     found = []
     for group in by_contender.values():
         n = len(group)
@@ -115,6 +121,7 @@ def to_dict(results: Sequence[Result]) -> dict[str, Any]:
                 **_named(r.contender),
                 **_rounded(r.score),
                 "saturation": asdict(r.regaining) if r.regaining is not None else None,
+                "left_out": r.left_out,
             }
             for r in results
         ],

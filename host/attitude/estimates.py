@@ -16,13 +16,16 @@ from firmware.numerics.dialect import entry_point
 from firmware.numerics.precision import load
 from host.attitude.recording import AttitudeRecording
 from host.attitude.scoring import east_north_up
-from host.record.errors import UserError
 
 Floats = NDArray[np.float64]
 
 FIXED: Final = "fixed"
 ARITHMETICS: Final = ("float32", FIXED, "float64")
 TESLA_PER_MICROTESLA: Final = 1.0e-6
+
+
+class UnsupportedRateError(Exception):
+    """A filter does not work at a recording's sample rate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +45,7 @@ def by_drift_filter(
 ) -> Estimate:
     """Our filter, fed with the recording's samples as they are.
 
-    UserError when the fixed-point filter does not work at the recording's rate.
+    UnsupportedRateError when the fixed-point filter does not work at the recording's rate.
     """
     if arithmetic == FIXED:
         return _in_fixed_point(recording, settings)
@@ -76,7 +79,7 @@ def _in_fixed_point(recording: AttitudeRecording, settings: DriftSettings) -> Es
     try:
         d, k = fixed.new_state(recording.interval, settings)
     except ValueError as error:
-        raise UserError(f"{recording.name}: --arithmetic fixed: {error}") from None
+        raise UnsupportedRateError(f"{recording.name}: fixed point left out: {error}") from None
     step = entry_point(fixed_step)
     field = recording.field * TESLA_PER_MICROTESLA
     samples = fixed.samples(np.column_stack((recording.omega, recording.force, field)))

@@ -30,17 +30,18 @@ class AttitudeScore:
 
 @dataclass(frozen=True, slots=True)
 class AttitudeErrors:
-    """Errors of every sample in °, (n,); NaN without a reference."""
+    """Errors of every sample in °, (n,); NaN without a reference, or where the estimate is none."""
 
     total: Floats
     heading: Floats
     inclination: Floats
+    has_reference: NDArray[np.bool_]
 
     def rms(self, scored: NDArray[np.bool_]) -> AttitudeScore:
-        """Over the samples `scored` that have a reference; NaN when there is none."""
-        return AttitudeScore(
-            *(_rms(values[scored]) for values in (self.total, self.heading, self.inclination))
-        )
+        """Over the samples `scored` that have a reference; NaN when there is none, or one has no estimate."""
+        used = scored & self.has_reference
+        errors = (self.total, self.heading, self.inclination)
+        return AttitudeScore(*(_rms(values[used]) for values in errors))
 
 
 def product(a: Floats, b: Floats) -> Floats:
@@ -67,6 +68,7 @@ def attitude_errors(estimate: Floats, reference: Floats) -> AttitudeErrors:
         np.degrees(2.0 * np.arctan2(np.hypot(across, z), w)),
         np.degrees(2.0 * np.arctan2(z, w)),
         np.degrees(2.0 * np.arctan2(across, along)),
+        np.asarray(np.isfinite(reference).all(axis=1), np.bool_),
     )
 
 
@@ -77,5 +79,4 @@ def east_north_up(q_nb: Floats) -> Floats:
 
 
 def _rms(values: Floats) -> float:
-    seen = values[np.isfinite(values)]
-    return float(np.sqrt(np.mean(seen * seen))) if len(seen) else float("nan")
+    return float(np.sqrt(np.mean(values * values))) if len(values) else float("nan")

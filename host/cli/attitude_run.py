@@ -57,6 +57,9 @@ def execute(choice: Choice, data: Path | None, json_file: str | None, quiet: boo
     settings = DriftSettings(gyro_delay=1e-3 * delay)
     line_up = contenders(feeds, [peer for peer in beside if is_installed(peer)], settings, arithmetics)
     results = [compared(recording, contender) for recording in recordings for contender in line_up]
+    for result in results:
+        if result.left_out is not None:
+            print(f"navtwin: {result.left_out}", file=sys.stderr)
     if not quiet:
         print_section(for_people(json_file), table(results))
     write_json(to_dict(results), json_file)

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from typer.testing import CliRunner
 
 from host.attitude import peers
+from host.attitude.estimates import Estimate
 from host.attitude.scoring import east_north_up
 from host.cli.main import app
 
@@ -105,6 +106,26 @@ def test_a_peer_that_is_not_installed_is_left_out(trial, monkeypatch):
     assert "vqf is not installed and left out: pip install vqf" in outcome.stderr
     assert "imufusion is not installed" in outcome.stderr
     assert "navtwin" in outcome.stdout
+
+
+def test_a_rate_beyond_the_fixed_point_filter_is_told(tmp_path):
+    data = arrays() | {"sampling_rate": np.array(10.0)}
+    np.savez(tmp_path / "slow.npz", **data)
+    outcome = navtwin(tmp_path / "slow.npz", "--feed", "direct", "--beside", "none")
+    assert outcome.exit_code == 0, outcome.output
+    assert "slow: fixed point left out: period is 0.1 s" in outcome.stderr
+
+
+def test_an_estimate_that_is_none_has_no_figure(trial, monkeypatch):
+    def nothing(_peer, recording):
+        return Estimate(np.full((len(recording), 4), np.nan))
+
+    monkeypatch.setattr("host.attitude.comparison.by_peer", nothing)
+    monkeypatch.setattr(peers, "find_spec", lambda _name: True)
+    outcome = navtwin(trial, "--feed", "direct", "--beside", "vqf", "--json", "-", "-q")
+    found = figures(outcome)["results"]
+    assert found[-1]["filter"] == "vqf"
+    assert found[-1]["total_rms_deg"] is None
 
 
 def test_gyro_delay_is_taken(trial):

@@ -14,7 +14,7 @@ from firmware.nav.drift.settings import SATURATED_SHARE, DriftSettings
 from firmware.numerics.fixed.angles import ONE_Q30, angle_of_radians
 from firmware.numerics.fixed.arithmetic import LARGEST, in_q
 
-SHORTEST_PERIOD, LONGEST_PERIOD = 5.0e-4, 0.02
+SHORTEST_PERIOD, LONGEST_PERIOD = 5.0e-4, 0.03
 FORCE_TAU, REST_TAU, FIELD_TAU, REFERENCE_TAU, HEADING_TAU = 3.0, 0.5, 0.05, 20.0, 5.0
 ALIGNED_S = 2.0
 TIMES_S = {
