@@ -133,6 +133,27 @@ def _tap(state: NDArray[np.int64], setup: NDArray[np.int64], tick: int, seen: in
 
 
 @njit(cache=True, error_model="numpy")
+def _beyond(
+    value: NDArray[np.float64],
+    row: int,
+    tick: int,
+    state: NDArray[np.int64],
+    coupling: tuple[int, int, int],
+    threshold: float,
+    reference: NDArray[np.float64],
+) -> int:
+    """Which of the axes are beyond a threshold, of activity or inactivity. `coupling`: axes, whether they are
+    AC-coupled (then the first value is the reference), where the state tells since when there is one."""
+    axes, ac, referred = coupling
+    if not ac:
+        return _above(value, row, axes, threshold)
+    if state[referred] == NEVER:
+        _refer(value, row, reference)
+        state[referred] = tick
+    return _differ(value, row, axes, threshold, reference)
+
+
+@njit(cache=True, error_model="numpy")
 def _still(
     value: NDArray[np.float64],
     row: int,
@@ -143,16 +164,10 @@ def _still(
     reference: NDArray[np.float64],
 ) -> int:
     """One output sample for inactivity: all axes below the threshold for the whole time."""
-    if setup[INACT_AC]:
-        if state[INACT_REFERENCE] == NEVER:
+    coupling = (setup[INACT_AXES], setup[INACT_AC], INACT_REFERENCE)
+    if _beyond(value, row, tick, state, coupling, threshold, reference):
+        if setup[INACT_AC]:
             _refer(value, row, reference)
-            state[INACT_REFERENCE] = tick
-        moves = _differ(value, row, setup[INACT_AXES], threshold, reference)
-        if moves:
-            _refer(value, row, reference)
-    else:
-        moves = _above(value, row, setup[INACT_AXES], threshold)
-    if moves:
         state[INACT_SINCE] = NEVER
         return 0
     if state[INACT_SINCE] == NEVER:
@@ -174,13 +189,8 @@ def _moving(
     reference: NDArray[np.float64],
 ) -> int:
     """One value for activity: any axis above the threshold. Notes which."""
-    if setup[ACT_AC]:
-        if state[ACT_REFERENCE] == NEVER:
-            _refer(value, row, reference)
-            state[ACT_REFERENCE] = tick
-        moves = _differ(value, row, setup[ACT_AXES], threshold, reference)
-    else:
-        moves = _above(value, row, setup[ACT_AXES], threshold)
+    coupling = (setup[ACT_AXES], setup[ACT_AC], ACT_REFERENCE)
+    moves = _beyond(value, row, tick, state, coupling, threshold, reference)
     if not moves:
         return 0
     state[SOURCES] = (state[SOURCES] & 0x0F) | moves << 4
