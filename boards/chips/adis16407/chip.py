@@ -14,6 +14,7 @@ from boards.chips.adis16407.elements import elements
 from boards.chips.adis16407.flash import Flash
 from boards.chips.adis16407.pins import Pins, PinSide
 from boards.chips.adis16407.register_map import DIAG_STAT, GLOB_CMD, GPIO_CTRL, OUTPUTS, PROD_ID, REGISTERS
+from boards.chips.adis16407.sampler import STRIDE
 from boards.chips.adis16407.settings import is_slow
 from boards.chips.registers import AccessLog, AccessReport, ReportKind
 from boards.chips.world import TenDofWorld
@@ -224,7 +225,9 @@ class Adis16407:
         if core.unread != ALL_UNREAD or core.diagnosis or core.overrides:
             return self._words(mosi, start_ns)
         core.unread = 0
-        answer, words = self._answer, sampler.words
+        row = sampler.row
+        words = sampler.image[row * STRIDE : (row + 1) * STRIDE] if row >= 0 else sampler.held
+        answer = self._answer
         self._answer = words[-2:]
         return answer + words
 

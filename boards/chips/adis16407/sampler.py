@@ -44,7 +44,7 @@ Integers = NDArray[np.int64]
 
 STRIDE: Final = 28
 FAR: Final = 1 << 62
-FIRST_BLOCK, BLOCK, LONGEST_NS = 64, 1024, 4_000_000_000
+FIRST_BLOCK, BLOCK, LONGEST_NS = 64, 2048, 4_000_000_000
 MEMORY = 2 * 127 + 255
 """Samples before a block that its filter and alarms may look back at."""
 

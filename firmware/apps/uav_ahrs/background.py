@@ -43,11 +43,10 @@ class Background:
         done = 0
         bus_work = self._bus_work
         while True:
-            wait()
-            if bus_work and sensor.bus_is_quiet():
-                bus_work.pop(0)()
-            if self._ticks == done:
-                continue
+            while self._ticks == done:
+                wait()
+                if bus_work and sensor.bus_is_quiet():
+                    bus_work.pop(0)()
             done = self._ticks
             io.watchdog.kick()
             if sensor.is_silent and done >= self._start_after:
