@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from boards.description import Board, load_board
@@ -60,7 +60,7 @@ def recorded_setup(manifest: Mapping[str, Any], board: str | None, profile: str 
 
 def recorded_board(manifest: Mapping[str, Any]) -> Board:
     """The board as it was when the capture was made. Raises UserError, DescriptionError or ScenarioError."""
-    check_manifest(manifest)
+    _check_keys(manifest, ("board", "board_text"))
     overrides = [str(change) for change in manifest["overrides"]]
     data = merged(_parsed(str(manifest["board_text"]), "board_text"), recorded_scenario(manifest).board)
     described = apply_overrides(data, _with_prefix(overrides, BOARD_PREFIX))
@@ -79,7 +79,12 @@ def check_manifest(manifest: Mapping[str, Any]) -> None:
             f"the capture's manifest is of format {manifest.get('format')!r}; this version reads"
             f" {MANIFEST_FORMAT!r} as written by navtwin run"
         )
-    for key, kind in NEEDED.items():
+    _check_keys(manifest, NEEDED)
+
+
+def _check_keys(manifest: Mapping[str, Any], keys: Iterable[str]) -> None:
+    for key in keys:
+        kind = NEEDED[key]
         if not isinstance(manifest.get(key), kind):
             found = f"is {manifest[key]!r}" if key in manifest else "is missing"
             raise UserError(
@@ -103,7 +108,7 @@ def _parsed(text: str, name: str) -> dict[str, Any]:
 
 def recorded_scenario(manifest: Mapping[str, Any]) -> Scenario:
     """The scenario that the capture was made with. Raises UserError or ScenarioError."""
-    check_manifest(manifest)
+    _check_keys(manifest, ("overrides", "scenario", "scenario_text"))
     overrides = [str(change) for change in manifest["overrides"]]
     data: dict[str, Any] = {}
     own, *inherited = str(manifest["scenario_text"]).split(INHERITED)
