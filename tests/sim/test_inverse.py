@@ -164,22 +164,6 @@ def _earth_state(row: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
     return np.concatenate((oracle.ecef(*row[:3]), c_en @ row[3:6], quaternion)), c_en
 
 
-@pytest.mark.filterwarnings("ignore:The copy keyword is deprecated")
-def test_python_ins_closes_on_the_increments(tmp_path: Path) -> None:
-    """Horizontally; its gravity differs from ours by a term of height, which acts downwards."""
-    pd = pytest.importorskip("pandas")
-    strapdown = pytest.importorskip("pyins.strapdown")
-    file = truth_file(tmp_path, {"segment": CAR})
-    assert inverse(file, "-o", tmp_path / "i.csv", "-f", "pyins").exit_code == 0
-    imu = pd.read_csv(tmp_path / "i.imu.csv", index_col="time")
-    truth = pd.read_csv(tmp_path / "i.truth.csv", index_col="time")
-    steps = strapdown.compute_increments_from_imu(imu, "increment")
-    end = strapdown.Integrator(truth.iloc[0]).integrate(steps).iloc[-1]
-    last = truth.iloc[-1]
-    assert abs(end.lat - last.lat) * 111_000 < 1e-3
-    assert abs(end.lon - last.lon) * 111_000 < 1e-3
-
-
 def test_rates_and_files_of_other_kinds(tmp_path: Path) -> None:
     file = truth_file(tmp_path, {"segment": CAR}, 50)
     told = figures(file, "--rate", "819.2", "--samples", "mean", "-o", tmp_path / "i.npz")

@@ -11,6 +11,8 @@ from drives import PERFECT, SCENARIOS, SMOOTH
 
 from host.sim.scenario.load import load_scenario
 from host.sim.simulated import SimulatedVehicle
+from host.simulate.proof.closure import inverse_of
+from host.simulate.proof.independent import library_errors
 
 pd = pytest.importorskip("pandas")
 pytest.importorskip("pyins")
@@ -69,5 +71,14 @@ def test_an_independent_strapdown_library_agrees():
 def test_python_ins_over_twenty_minutes():
     coarse, fine = pyins_errors(200, 1200), pyins_errors(400, 1200)
     assert np.linalg.norm(coarse[:2]) < 3e-3
+    assert abs(coarse[2]) < 1e-2
+    assert np.linalg.norm(coarse[:2]) > 3.0 * np.linalg.norm(fine[:2])
+
+
+def test_it_agrees_with_the_increments_of_the_inverse_too():
+    """Of five minutes through town, found by the closed loop from the truth's points alone."""
+    scenario = load_scenario(SCENARIOS / "town-open.toml", [*PERFECT, *SMOOTH, "duration_s=300.0"])
+    coarse, fine = (library_errors(inverse_of(scenario, rate))[-1] for rate in (200, 400))
+    assert np.linalg.norm(coarse[:2]) < 1e-3
     assert abs(coarse[2]) < 1e-2
     assert np.linalg.norm(coarse[:2]) > 3.0 * np.linalg.norm(fine[:2])
