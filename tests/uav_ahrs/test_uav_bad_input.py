@@ -121,3 +121,12 @@ def test_the_documents_supply_word() -> None:
     assert flown.said("sensor: supply out of range", 10.0) < 10.3
     flags = flown.column("flags")[(flown.column("t_s") > 11.0) & (flown.column("t_s") < 12.0)]
     assert {int(one) >> 16 & 0b110 for one in flags} == {0b110}  # chip_error and supply
+
+
+@pytest.mark.parametrize("profile", ["float32", "fixed"])
+def test_a_processor_that_starts_again_in_flight_aligns_in_motion(profile: str) -> None:
+    fault = 'fault=[{kind="cpu-reset", target="dsp", at_s=50.0}]'
+    flown = fly("flight", profile, "duration_s=100", fault, "expect={}")
+    assert flown.said("alignment: no rest to be had, aligning in motion", 50.0) < 66.0
+    assert flown.said("mode: navigating", 50.0) < 68.0
+    assert flown.worst_deg(90.0, 100.0) < 5.0

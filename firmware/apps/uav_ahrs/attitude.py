@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,8 @@ from firmware.nav.attitude import layout as at
 from firmware.nav.attitude.burst_words import WORDS
 from firmware.nav.attitude.config import AttitudeConfig
 
-NANO = 1_000_000_000
+MOVING_RATE, MOVING_FORCE = math.radians(90.0), 12.0
+"""rad/s and m/s² that alignment in motion puts up with."""
 
 
 class Attitude:
@@ -37,12 +39,26 @@ class Attitude:
         self.burst_words: NDArray[np.int64] = np.zeros(WORDS, np.int64)
         """Of the burst read last."""
         kernels.configure(self.s, self.i, config)
+        self._kernels = kernels
+        self._config = config
         self._before[:] = self.s
         self.take_burst: Callable[..., int] = kernels.take_burst
         """(s, i, k, raw, burst_words): a burst as the driver has it; returns what was noticed, and READY."""
         self._iteration: Callable[..., int] = kernels.iteration
         self._solution = kernels.solution
         self._drift = kernels.new_drift(config)
+
+    @property
+    def is_aligning(self) -> bool:
+        """Whether there is no attitude yet."""
+        return int(self.i[at.MODE]) != fl.RUNNING
+
+    def align_in_motion(self) -> None:
+        """Begin to align anew without asking for rest: a second of force and field, and what the drift
+        compensation makes of it. (A processor that starts again in flight will never find rest.)"""
+        if self._drift:
+            moving = replace(self._config, alignment_time=1.0, rest_rate=MOVING_RATE, rest_force=MOVING_FORCE)
+            self._kernels.configure(self.s, self.i, moving)
 
     def iterate(self) -> int:
         """An iteration; returns 1, 0 or `steps.SPOILT`."""

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 from firmware.apps.uav_ahrs.announcements import Announcer
+from firmware.apps.uav_ahrs.attitude import Attitude
 from firmware.apps.uav_ahrs.diagnosis import flags_in_words
 from firmware.apps.uav_ahrs.output import Output
 from firmware.apps.uav_ahrs.sensor import Sensor
+from firmware.apps.uav_ahrs.settings import Settings
 from firmware.drivers.adis16407 import Outcome
 from hal.board_io import BoardIo
 
 RATE_HZ = 10
 WATCHDOG_NS = 2_000_000_000
+MORE_PATIENCE_S = 8
 START_PAUSE_TICKS = 5
 """Between two attempts to bring the sensor up."""
 
@@ -20,7 +24,18 @@ START_PAUSE_TICKS = 5
 class Background:
     """What `main` does after set-up, for ever."""
 
-    def __init__(self, io: BoardIo, sensor: Sensor, output: Output, announcer: Announcer) -> None:
+    def __init__(
+        self,
+        io: BoardIo,
+        attitude: Attitude,
+        sensor: Sensor,
+        output: Output,
+        announcer: Announcer,
+        settings: Settings,
+    ) -> None:
+        self._attitude = attitude
+        self._patience_s = math.ceil(settings.alignment_s) + MORE_PATIENCE_S
+        """Seconds of alignment after which nobody waits for rest any longer."""
         self._io = io
         self._sensor = sensor
         self._output = output
@@ -72,9 +87,18 @@ class Background:
         self._io.cpu.spend(self._health_cost)
         if self._sensor.answers and not self._sensor.failed_reads and self._check not in self._bus_work:
             self._bus_work.append(self._check)
+        self._look_at_alignment()
         self._announcer.look_at_bus()
         self._announcer.look_at_clock(self._sensor)
         self._output.send_slow()
+
+    def _look_at_alignment(self) -> None:
+        if not self._attitude.is_aligning or not self._sensor.answers:
+            return
+        self._patience_s -= 1
+        if self._patience_s == 0:
+            self._attitude.align_in_motion()
+            self._output.send_text("alignment: no rest to be had, aligning in motion")
 
     def _check(self) -> None:
         found = self._sensor.check()

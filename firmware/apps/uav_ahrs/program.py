@@ -45,7 +45,8 @@ class UavAhrs:
         output = Output(io, settings, attitude, sensor)
         tasks = AttitudeTasks(io, settings, attitude, output)
         sensor.ready = tasks.line.pend
-        background = Background(io, sensor, output, Announcer(io.clock, attitude, output))
+        announcer = Announcer(io.clock, attitude, output)
+        background = Background(io, attitude, sensor, output, announcer, settings)
         initialise(io.cpu)
         sensor.begin()
         background.tell_start()
