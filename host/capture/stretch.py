@@ -13,10 +13,11 @@ from typing import BinaryIO
 
 from mcap.exceptions import McapError
 from mcap.reader import make_reader
-from mcap.records import Chunk, ChunkIndex, McapRecord
+from mcap.records import Chunk, ChunkIndex, McapRecord, Message
 from mcap.stream_reader import StreamReader, breakup_chunk
 from mcap.summary import Summary
 
+from host.capture.blocks import MARK, MARK_TOPIC
 from host.capture.reader import LONGEST_RECORD, CaptureReader
 
 
@@ -43,11 +44,22 @@ class StretchReader(CaptureReader):
         file.seek(0)
         yield from make_reader(file).iter_metadata()
         try:
+            marks = {channel.id for channel in summary.channels.values() if channel.topic == MARK_TOPIC}
             for index in self._wanted(summary):
-                yield from _chunk_at(file, index)
+                records = _chunk_at(file, index)
+                yield from records
+                if any(self._is_behind(record, marks) for record in records):
+                    break
         except (McapError, ValueError, RuntimeError, struct.error):
             return
         self.complete = True
+
+    def _is_behind(self, record: McapRecord, marks: set[int]) -> bool:
+        """Whether it marks the end of a window behind the stretch. Decoded messages come late, so times of
+        messages alone do not tell where traffic ends."""
+        if not isinstance(record, Message) or record.channel_id not in marks:
+            return False
+        return len(record.data) == MARK.size and int(MARK.unpack(record.data)[0]) > self._to_ns
 
     def _wanted(self, summary: Summary) -> list[ChunkIndex]:
         """From the first chunk that overlaps to the last one."""
