@@ -1,4 +1,4 @@
-"""The whole intermediate code of a kernel and of all that it calls, optimised for no processor in particular."""
+"""The whole intermediate code of a kernel and of all that it calls, optimised for no particular processor."""
 
 from __future__ import annotations
 
