@@ -85,11 +85,6 @@ class EmulatedUart:
         self._receiver.fill()
         return self._receiver.total_errors
 
-    def note_overrun(self) -> None:
-        """A byte came before the one before was taken (faults say so)."""
-        self._receiver.errors += 1
-        self._receiver.total_errors += 1
-
     def _reset(self) -> None:
         self.tx.abort()
         self.tx.set_baud(self._power_on_baud)
@@ -130,10 +125,10 @@ class _RingReceiver(LineReceiver):
     def fill(self) -> None:
         """Put what has arrived into the ring. What comes before there is one is lost: one overrun."""
         data, errors = self.take()
-        if not data:
-            return
         self.errors += errors
         self.total_errors += errors
+        if not data:
+            return
         ring = self._ring
         if ring is None:
             self.errors += not self._overrun

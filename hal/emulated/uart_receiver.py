@@ -54,7 +54,7 @@ class LineReceiver:
         if not self._sampled and (self._baud is None or rates_agree(sent.baud, self._baud())):
             self.arrivals.append(sent)
         else:
-            self._sample(now)
+            self._sample(now, max(now, sent.begin) if self._sampled else now)
         self._alarm.by(self._next_instant())
 
     def forget(self, begin_from: int) -> None:
@@ -65,7 +65,8 @@ class LineReceiver:
         if line:
             line[-1] = line[-1].split(line[-1].begun_before(begin_from))[0]
         if self._sampled:
-            self._sample(self._time.now)
+            now = self._time.now
+            self._sample(now, now)
         else:
             self._cut_arrivals(begin_from)
         self._alarm.by(self._next_instant())
@@ -75,7 +76,7 @@ class LineReceiver:
         now = self._time.now
         if self._line and self._line[-1].end > now:
             self._ready_at = now
-            self._sample(now)
+            self._sample(now, now)
             self._alarm.by(self._next_instant())
 
     def take(self) -> tuple[bytes, int]:
@@ -89,14 +90,15 @@ class LineReceiver:
         while arrivals and arrivals[0].end <= now:
             batch = arrivals.popleft()
             self.last_end = batch.end
-            taken.append(batch.data)
-            errors += batch.framing_errors
+            taken.append(batch.taken)
+            errors += batch.errors
         if arrivals and (count := arrivals[0].ended_by(now)):
             head = arrivals[0]
             assert isinstance(head, SentBytes)
             whole, arrivals[0] = head.split(count)
             self.last_end = whole.end
-            taken.append(whole.data)
+            taken.append(whole.taken)
+            errors += whole.errors
         self._ready_at = max(self._ready_at, self.last_end)
         return b"".join(taken), errors
 
@@ -120,24 +122,27 @@ class LineReceiver:
         if arrivals and isinstance(arrivals[-1], SentBytes):
             arrivals[-1] = arrivals[-1].split(arrivals[-1].begun_before(begin_from))[0]
 
-    def _sample(self, now: int) -> None:
-        """Sample anew whatever has not arrived yet."""
+    def _sample(self, now: int, known_to: int) -> None:
+        """Sample what has not arrived yet; what ends by `known_to` has been sampled and stays."""
         assert self._baud is not None
         self._sampled = True
         arrivals = self.arrivals
-        while arrivals and arrivals[-1].end > now:
+        while arrivals and arrivals[-1].end > known_to:
             last = arrivals.pop()
-            if isinstance(last, SentBytes) and (count := last.ended_by(now)):
+            if isinstance(last, SentBytes) and (count := last.ended_by(known_to)):
                 arrivals.append(last.split(count)[0])
-        if arrivals:
-            self._ready_at = max(self._ready_at, arrivals[-1].end)
+        from_ns = max(self._ready_at, arrivals[-1].end) if arrivals else self._ready_at
         baud = self._baud()
         line = self._line
-        while line and line[0].end <= min(self._ready_at, now):
+        done = min(from_ns, now)
+        while line and (line[0].end <= done or line[0].end <= now - 2 * FRAME // baud):
             line.popleft()
-        while line and line[0].end <= now - 2 * FRAME // baud:
-            line.popleft()
-        arrivals.extend(sample(list(line), baud, self._ready_at))
+        ahead: list[SentBytes] = []
+        for piece in reversed(line):
+            if piece.end <= from_ns:
+                break
+            ahead.append(piece)
+        arrivals.extend(sample(ahead[::-1], baud, from_ns))
 
 
 class LateReceiver(LineReceiver):

@@ -11,7 +11,7 @@ from collections import deque
 from typing import Protocol
 
 from hal.emulated.alarm import Alarm
-from hal.emulated.uart_bytes import NO_STOP_BIT, BrokenFrame, SentBytes
+from hal.emulated.uart_bytes import NO_STOP_BIT, NOT_TAKEN, BrokenFrames, MissedBytes, SentBytes
 from hal.emulated.uart_receiver import LateReceiver, LineReceiver, PeerReceiver, UartPeer
 from hal.emulated.virtual_time import FAR, VirtualTime
 
@@ -30,7 +30,7 @@ class LineFault(Protocol):
 
     def frame(self, value: int) -> int | None:
         """What becomes of one byte that begins now; None when it is lost, with NO_STOP_BIT when its stop bit
-        is low."""
+        is low, with NOT_TAKEN when the port misses it."""
         ...
 
 
@@ -45,6 +45,8 @@ class UartWire:
         self.baud = _checked(baud, name)
         self.forced_baud: int | None = None
         """The rate at which a transmitter with a fault really sends."""
+        self.form: type[SentBytes] = SentBytes
+        """How it frames its bytes."""
         self.bytes_sent = 0
         self._receivers: list[LineReceiver] = []
         self._followers: list[LineReceiver] = []
@@ -74,7 +76,7 @@ class UartWire:
             return taken
         if idle:
             self._queue.clear()
-            piece = SentBytes(data, now, 0, self.forced_baud or self.baud)
+            piece = self.form(data, now, 0, self.forced_baud or self.baud)
         else:
             piece = self._behind_the_queue(data)
         self._queue.append(piece)
@@ -205,9 +207,9 @@ class UartWire:
         baud = self.forced_baud or self.baud
         self._forget_sent()
         last = self._queue[-1]
-        if last.baud == baud:
-            return SentBytes(data, last.start, last.first + len(last.data), baud)
-        return SentBytes(data, self._end, 0, baud)
+        if last.baud == baud and type(last) is self.form:
+            return self.form(data, last.start, last.first + len(last.data), baud)
+        return self.form(data, self._end, 0, baud)
 
     def _send_stepping(self, piece: SentBytes) -> None:
         """The same while faults look at each byte, until the line has been idle without them."""
@@ -264,8 +266,8 @@ class UartWire:
                 waiting.popleft()
             value = self._disturbed(piece.data[0])
             if value is not None:
-                if value & NO_STOP_BIT:
-                    piece = BrokenFrame(piece.data, piece.start, piece.first, piece.baud)
+                if type(piece) is SentBytes:
+                    piece = _form_of(value)(piece.data, piece.start, piece.first, piece.baud)
                 piece.data = bytes((value & 0xFF,))
                 for receiver in self._receivers:
                     receiver.announce(piece)
@@ -278,9 +280,16 @@ class UartWire:
                 seen = fault.frame(value)
                 if seen is None:
                     return None
-                broken |= seen & NO_STOP_BIT
+                broken |= seen & ~0xFF
                 value = seen & 0xFF
         return value | broken
+
+
+def _form_of(value: int) -> type[SentBytes]:
+    """Of a byte that has been through the faults."""
+    if value & NOT_TAKEN:
+        return MissedBytes
+    return BrokenFrames if value & NO_STOP_BIT else SentBytes
 
 
 def _checked(baud: int, name: str) -> int:

@@ -29,6 +29,7 @@ COLUMNS = (
 
 NEVER = "never"
 NO_WORD = "nothing"
+NO_EFFECT = "no effect"
 NOTHING = (None, None, None)
 WORDS_SHOWN = 36
 
@@ -96,13 +97,18 @@ def _cells(one: Effect) -> tuple[str, ...]:
         number(one.without_solution_s),
         NONE if can is None else f"{can.expected - can.came:,} of {can.expected:,}",
         NONE if can is None else number(can.longest_gap_s),
-        _time(one, one.recovered_after_s, number),
+        _recovery(one, number),
     )
 
 
 def _time(one: Effect, after_s: float | None, text: Callable[[float | None], str]) -> str:
     """A time that did not come is never; of a run without an end nothing is known."""
     return NEVER if after_s is None and not one.error else text(after_s)
+
+
+def _recovery(one: Effect, text: Callable[[float | None], str]) -> str:
+    """Where nothing suffered and no word came there is nothing to recover from."""
+    return NO_EFFECT if one.verdict == "not observed" else _time(one, one.recovered_after_s, text)
 
 
 def effect_words(one: Effect) -> str:
@@ -143,7 +149,7 @@ def sheet_csv(found: Sequence[Effect]) -> str:
         told = (one.fired, _time(one, one.detected_after_s, _rounded), one.said or NO_WORD)
         errors = map(_rounded, (one.worst[0], one.usual[0], one.without_solution_s, one.degraded_s))
         more = map(_rounded, (one.worst[1], one.usual[1], one.worst[2], one.usual[2]))
-        recovered = _time(one, one.recovered_after_s, _rounded)
+        recovered = _recovery(one, _rounded)
         said = (effect_words(one), one.verdict, one.error)
         writer.writerow([*given, *told, *errors, recovered, *more, *_can_columns(one.can), *said])
     return text.getvalue()

@@ -17,9 +17,10 @@ Times are virtual time in ns. A SPI record is one chip-select low period; an I²
 stop condition (`REFUSALS` has the meaning of `refusal`). A line record tells the receiving end of a UART what
 was put on the line at `told_ns`: bytes `first`, `first` + 1, … of a run that began at `start_ns`, so that
 byte k of the record ends at start_ns + ⌊(first + k + 1)·10¹⁰ / baud⌋; with `baud` 0 it takes back whatever
-begins at `start_ns` or later. A sent record is a run of bytes, of which the last one ended at `end_ns`; a CAN
-record is a data frame that ended on the bus at `end_ns`; a pin record is a change of a net's level. A mark
-says that everything up to its time is in the file.
+begins at `start_ns` or later. The upper two bits of `baud` are a place in `FORMS`: stop bits low, a parity
+bit more (11·10⁹ in the formula), not taken in time. A sent record is a run of bytes, of which the last one
+ended at `end_ns`; a CAN record is a data frame that ended on the bus at `end_ns`; a pin record is a change of
+a net's level. A mark says that everything up to its time is in the file.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ from numpy.typing import ArrayLike
 
 from hal.emulated.can_bursts import HeardFrame, HeardSets
 from hal.emulated.i2c import I2cTransfer
+from hal.emulated.uart_bytes import FORMS
 from hal.errors import ErrorKind
 from host.record.errors import UserError
 
@@ -45,11 +47,11 @@ I2C_HEAD = struct.Struct("<qqBBIIII")
 CAN_HEAD = struct.Struct("<qIB")
 SENT_CAN_HEAD = struct.Struct("<qIBB")
 LINE_HEAD = struct.Struct("<qqIII")
+FORM_SHIFT = 30
+LINE_BAUD = (1 << FORM_SHIFT) - 1
 PIN = MARK = struct.Struct("<q")
 FIRST_TIME = struct.Struct("<q")
 
-FRAME_NS = 10_000_000_000
-"""Ten bits at one baud."""
 EXTENDED = 1 << 31
 WORTH_ARRAYS = 50
 """CAN records from which on arrays are faster than a record at a time."""
@@ -71,7 +73,8 @@ SENT_SCHEMA, OLD_SENT_SCHEMA = "navtwin.SentBlock", "navtwin.UartBlock"
 
 SCHEMAS = {
     "navtwin.SpiBlock": "start_ns i64, duration_ns u32, n u32, mosi u8[n], miso u8[n]; repeated",
-    "navtwin.LineBlock": "told_ns i64, start_ns i64, first u32, baud u32, n u32, data u8[n]; repeated",
+    "navtwin.LineBlock": "told_ns i64, start_ns i64, first u32, baud u32 (bits 31, 30: form), n u32,"
+    " data u8[n]; repeated",
     "navtwin.SentBlock": "end_ns i64, baud u32 (0: not known), n u32, data u8[n]; repeated",
     "navtwin.UartBlock": "end_ns i64, n u32, data u8[n]; repeated",
     "navtwin.I2cBlock": "start_ns i64, end_ns i64, address u8, refusal u8 (0 none, 1 address, 2 data,"
@@ -140,11 +143,13 @@ class LinePiece:
     first: int
     baud: int
     data: bytes
+    form: int = 0
+    """Place in `hal.emulated.uart_bytes.FORMS`."""
 
     @property
     def end_ns(self) -> int:
         """End of the last byte's stop bit."""
-        return self.start_ns + (self.first + len(self.data)) * FRAME_NS // self.baud
+        return self.start_ns + (self.first + len(self.data)) * FORMS[self.form].frame // self.baud
 
 
 @dataclass(frozen=True, slots=True)
@@ -357,7 +362,10 @@ def _line(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:
     port = topic.split("/")[2]
     if baud == 0:
         return LineCut(port, told_ns, start_ns), data + n
-    return LinePiece(port, told_ns, start_ns, first, baud, block[data : data + n]), data + n
+    form, baud = baud >> FORM_SHIFT, baud & LINE_BAUD
+    if baud == 0:
+        raise DamagedBlockError(f"{topic}: a record at byte {place} tells bytes at 0 baud")
+    return LinePiece(port, told_ns, start_ns, first, baud, block[data : data + n], form), data + n
 
 
 def _pin(topic: str, block: bytes, place: int) -> tuple[Traffic, int]:

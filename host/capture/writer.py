@@ -29,6 +29,7 @@ from host.capture.blocks import (
     CAN_SCHEMA,
     ENCODING,
     FIRST_TIME,
+    FORM_SHIFT,
     LINE_HEAD,
     MARK,
     MARK_TOPIC,
@@ -85,7 +86,7 @@ class UartRecorder(Protocol):
 
 CanRecorder = Callable[[bytes, Sequence[HeardFrame]], None]
 """(records without senders, the frames they are of)."""
-LineRecorder = Callable[[int, int, int, int, bytes], None]
+LineRecorder = Callable[..., None]
 
 
 class CaptureWriter:
@@ -164,12 +165,12 @@ class CaptureWriter:
         return record
 
     def line_recorder(self, port: str) -> LineRecorder:
-        """`record(told_ns, start_ns, first, baud, data)` for the line into a UART (`host.capture.blocks`)."""
+        """`record(told_ns, start_ns, first, baud, data, form)` for the line into a UART (`blocks`)."""
         block = self._block(uart_topic(port, "rx"), "navtwin.LineBlock")
 
-        def record(told_ns: int, start_ns: int, first: int, baud: int, data: bytes) -> None:
+        def record(told_ns: int, start_ns: int, first: int, baud: int, data: bytes, form: int = 0) -> None:
             nonlocal block
-            block += LINE_HEAD.pack(told_ns, start_ns, first, baud, len(data))
+            block += LINE_HEAD.pack(told_ns, start_ns, first, baud | form << FORM_SHIFT, len(data))
             block += data
 
         return record

@@ -17,10 +17,10 @@ from typing import Any
 from boards.description import Board
 from hal.emulated.i2c import I2cTransfer
 from hal.emulated.pins import Net
-from hal.emulated.uart_bytes import SentBytes
+from hal.emulated.uart_bytes import FORMS, SentBytes
 from hal.emulated.uart_wire import UartWire
 from hal.emulated.virtual_time import VirtualTime
-from host.capture.blocks import LINE_HEAD, SPI_HEAD, I2cTransaction, unpack
+from host.capture.blocks import FORM_SHIFT, LINE_BAUD, LINE_HEAD, SPI_HEAD, I2cTransaction, unpack
 
 Exchange = tuple[int, int, bytes, bytes]
 """start, end in ns, MOSI, MISO."""
@@ -214,7 +214,8 @@ class LineTape:
             told_ns, start_ns, first, baud, n = LINE_HEAD.unpack_from(block, place)
             data = block[place + LINE_HEAD.size : place + LINE_HEAD.size + n]
             place += LINE_HEAD.size + n
-            piece = SentBytes(data, start_ns, first, baud) if baud else start_ns
+            kind = FORMS[baud >> FORM_SHIFT]
+            piece = kind(data, start_ns, first, baud & LINE_BAUD) if baud else start_ns
             self._wire.time.at(max(told_ns, self._wire.time.now), lambda piece=piece: self._tell(piece))  # type: ignore[misc]
 
     def _tell(self, piece: SentBytes | int) -> None:

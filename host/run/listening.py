@@ -83,11 +83,11 @@ class LineTape(LineReceiver):
 
     def announce(self, sent: SentBytes) -> None:
         """These bytes will be on the line."""
-        self._record(self._time.now, sent.start, sent.first, sent.baud, sent.data)
+        self._record(self._time.now, sent.start, sent.first, sent.baud, sent.data, sent.form)
 
     def forget(self, begin_from: int) -> None:
         """Bytes whose start bit lies at `begin_from` or later will not come after all."""
-        self._record(self._time.now, begin_from, 0, 0, b"")
+        self._record(self._time.now, begin_from, 0, 0, b"", 0)
 
 
 class WireEar:

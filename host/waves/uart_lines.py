@@ -1,7 +1,8 @@
 """UART: both lines of a port, byte by byte.
 
 A byte is a start bit (low), eight bits from the least significant on, and a stop bit (high). Bytes sent back
-to back form a run; bit k of a run that begins at t₀ begins at t₀ + ⌊k·10⁹/baud⌋.
+to back form a run; bit k of a run that begins at t₀ begins at t₀ + ⌊k·10⁹/baud⌋. With a fault at work there
+may be a parity bit before the stop bit; a stop bit that was found low is drawn low for three quarters of it.
 
 A capture tells the rate of the line into the processor with every piece. Of the line out of it only the ends
 of pieces are known; its rate is taken to be that of the other direction, as far as something has come in by
@@ -13,13 +14,14 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from hal.emulated.uart_bytes import FORMS, FRAME, BrokenFrames, ParityFrames
 from hal.emulated.virtual_time import SECOND
 from host.capture.blocks import LineCut, LinePiece, Traffic, UartChunk
 from host.record.errors import UserError
 from host.waves.lines import Edge, Level, Unit
 
 RX, TX = 0, 1
-FRAME_BITS = 10
+PARITY, BROKEN = FORMS.index(ParityFrames), FORMS.index(BrokenFrames)
 USUAL_RATES = (4_800, 9_600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_600, 3_000_000)
 
 
@@ -30,6 +32,8 @@ class Byte(NamedTuple):
     start_ns: int
     place: int
     baud: int
+    form: int = 0
+    """Place in `FORMS`."""
 
 
 class Run(NamedTuple):
@@ -66,7 +70,7 @@ class UartLines:
             if not self._fixed:
                 self._baud = record.baud
             self._rates[RX].add(record.baud)
-            return _bytes(RX, record.start_ns, record.first, record.baud, record.data)
+            return _bytes(RX, record.start_ns, record.first, record.baud, record.data, record.form)
         assert isinstance(record, UartChunk)
         if not record.data:
             return []
@@ -75,14 +79,22 @@ class UartLines:
     def edges(self, unit: Unit) -> list[Edge]:
         """Start bit, eight bits, stop bit."""
         byte: Byte = unit.content
-        frame = byte.value << 1 | 1 << (FRAME_BITS - 1)
-        first = FRAME_BITS * byte.place
+        bits = FORMS[byte.form].frame_bits
+        frame = byte.value << 1 | 1 << (bits - 1)
+        if byte.form == PARITY:
+            frame |= (byte.value.bit_count() & 1) << (bits - 2)
+        if byte.form == BROKEN:
+            frame ^= 1 << (bits - 1)
+        first = bits * byte.place
         edges, level = [], 1
-        for bit in range(FRAME_BITS):
+        for bit in range(bits):
             wanted = frame >> bit & 1
             if wanted != level:
                 level = wanted
                 edges.append(Edge(byte.start_ns + (first + bit) * SECOND // byte.baud, unit.lane, level))
+        if not level:
+            high = (4 * (first + bits) - 1) * SECOND // (4 * byte.baud)
+            edges.append(Edge(byte.start_ns + high, unit.lane, 1))
         return edges
 
     def facts(self) -> dict[str, Any]:
@@ -132,17 +144,17 @@ class UartLines:
 
 
 def _frames_ns(count: int, baud: int) -> int:
-    return FRAME_BITS * count * SECOND // baud
+    return count * FRAME // baud
 
 
-def _bytes(lane: int, start_ns: int, first: int, baud: int, data: bytes) -> list[Unit]:
-    frame = FRAME_BITS * SECOND
+def _bytes(lane: int, start_ns: int, first: int, baud: int, data: bytes, form: int = 0) -> list[Unit]:
+    frame = FORMS[form].frame
     return [
         Unit(
             start_ns + place * frame // baud,
             start_ns + (place + 1) * frame // baud,
             lane,
-            Byte(value, start_ns, place, baud),
+            Byte(value, start_ns, place, baud, form),
         )
         for place, value in enumerate(data, first)
     ]

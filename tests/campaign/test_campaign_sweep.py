@@ -13,7 +13,7 @@ from campaign_rig import REST, navtwin
 
 from host.campaign.fault_effect import Effect, effect, fault_course
 from host.campaign.fault_plan import Strike
-from host.campaign.fault_sheet import verdict
+from host.campaign.fault_sheet import section, sheet_csv, verdict
 from host.record.can_course import CanCourse
 from host.record.result import BusUse, Event, FaultUse, RunRequest, RunResult
 from host.record.run_data import STATUS_COLUMNS, RunData
@@ -81,7 +81,7 @@ def test_fault_sheet_of_some_faults(tmp_path: Path) -> None:
     result = navtwin("faults", "car_mems", "-s", REST, *asked)
     assert result.exit_code == 1, result.output
     sheet = {(row["fault"], row["target"]): row for row in read_csv(out / "faults.csv")}
-    assert list(sheet) == [("chip-off", "U2"), ("chip-off", "U3"), ("uart-cut", "gnss"), ("cpu-reset", "mcu")]
+    assert list(sheet) == [("uart-cut", "gnss"), ("chip-off", "U2"), ("chip-off", "U3"), ("cpu-reset", "mcu")]
     assert all(int(row["fired"]) > 0 for row in sheet.values())
     silent = sheet.pop(("chip-off", "U2"))
     assert silent["verdict"] == "not recovered", "at rest nothing shows the heading that was lost meanwhile"
@@ -182,6 +182,8 @@ def test_verdicts() -> None:
     assert seen(made_up((104.0, 112.0), told=False)).verdict == "not told"
     unseen = seen(made_up(None, told=False))
     assert (unseen.verdict, unseen.ok) == ("not observed", True)
+    assert sheet_csv([unseen]).splitlines()[1].count(",no effect,") == 1
+    assert section([unseen]).rows[0][-1] == "no effect"
     assert verdict([unseen]).startswith("0 of 1 faults struck and were recovered from")
     assert verdict([unseen]).endswith("1 without an effect to be seen")
     course = fault_course(made_up(None)) | {"fired": [0]}

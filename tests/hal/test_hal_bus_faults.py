@@ -26,7 +26,7 @@ from hal.emulated.i2c import EmulatedI2cBus
 from hal.emulated.pins import Net
 from hal.emulated.spi import EmulatedSpiBus, SpiTiming
 from hal.emulated.uart import EmulatedUart, UartWire
-from hal.emulated.virtual_time import FAR, VirtualTime
+from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
 from hal.errors import BusError, ErrorKind
 
 MS = 1_000_000
@@ -269,6 +269,29 @@ def test_parity_is_taken_for_the_stop_bit() -> None:
     assert line.send(TEXT) == TEXT
     even = sum(value.bit_count() % 2 == 0 for value in TEXT)
     assert line.port.take_errors() == fault.fired == even
+
+
+def test_bytes_with_parity_have_eleven_bits() -> None:
+    """What is queued once the fault has passed has ten again."""
+    line = Line()
+    fault = UartParity(0, 50 * MS)
+    fault.install(line.wire)
+    line.wire.send(b"UUUU")
+    assert line.wire.idle_from == 44 * SECOND // 9600
+    line.cpu.delay(60 * MS)
+    line.wire.send(b"UUUU")
+    assert line.wire.idle_from - line.cpu.time.now == 40 * SECOND // 9600
+
+
+def test_overrun_bytes_are_on_the_line() -> None:
+    """Who else listens hears them."""
+    line = Line()
+    tap = line.wire.connect_late()
+    fault = UartOverrun(0, FAR, 0.5, 1, "gnss")
+    fault.install_at(line.port)
+    got = line.send(TEXT)
+    assert b"".join(data for data, _end, _baud in tap.pieces()) == TEXT
+    assert len(got) == len(TEXT) - fault.fired
 
 
 def test_overruns_lose_bytes_and_are_told() -> None:

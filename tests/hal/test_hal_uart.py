@@ -1,6 +1,7 @@
 """UART reception by DMA, transmission, and lines whose ends disagree about the rate."""
 
 from fractions import Fraction
+from itertools import pairwise
 
 import pytest
 from emulated_benches import Collector, processor
@@ -201,7 +202,7 @@ def test_wrong_rates_are_refused() -> None:
 
 def sampled(data: bytes, sent_baud: int, sampled_baud: int) -> list[tuple[int, bool]]:
     line = [SentBytes(data, 1000, 0, sent_baud)]
-    return [(one.data[0], bool(one.framing_errors)) for one in sample(line, sampled_baud, 0)]
+    return [(one.data[0], bool(one.errors)) for one in sample(line, sampled_baud, 0)]
 
 
 def test_sampling_worked_out_by_hand() -> None:
@@ -311,3 +312,45 @@ def test_chip_whose_port_has_another_rate_hears_garbage() -> None:
     while time.next_due < SECOND:
         time.run_next()
     assert chip.data.endswith(b"hello")
+
+
+def test_a_line_that_never_rests_is_sampled_once() -> None:
+    """More traffic than the rate carries, at rates that disagree: each piece behind a backlog costs what the
+    piece has to sample, not what the backlog has."""
+    steps = []
+    for pieces in (50, 200):
+        port = Port(ring=64)
+        port.uart.set_baud(115_200)
+        port.start()
+        seen = 0
+        real = SentBytes.level_at
+
+        def counted(self: SentBytes, time_ns: int) -> bool:
+            nonlocal seen
+            seen += 1
+            return real(self, time_ns)  # noqa: B023
+
+        SentBytes.level_at = counted  # type: ignore[method-assign]
+        try:
+            for _ in range(pieces):
+                port.rx.send(b"backlog of a line that never rests")
+        finally:
+            SentBytes.level_at = real  # type: ignore[method-assign]
+        steps.append(seen)
+    assert steps[1] < 5 * steps[0]
+
+
+@pytest.mark.parametrize("baud", [38_400, 14_400, 115_200])
+def test_a_backlog_is_heard_as_one_piece_would_be(baud: int) -> None:
+    data = bytes(range(256)) * 2
+    heard = []
+    for cuts in ([0, 512], [0, 1, 2, 100, 101, 300, 512]):
+        port = Port(ring=8192)
+        port.uart.set_baud(baud)
+        port.start()
+        for begin, end in pairwise(cuts):
+            port.rx.send(data[begin:end])
+        port.cpu.delay(SECOND)
+        heard.append((bytes(port.ring[: port.uart.received()]), port.uart.take_errors()))
+    assert heard[0] == heard[1]
+    assert heard[0][1] > 0

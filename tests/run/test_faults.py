@@ -73,6 +73,14 @@ CASES = {
     "many bit errors on the line": Case(
         broken("uart-bit-errors", "gnss", duration_s=20.0, probability=1e-2), ("receiver line disturbed",)
     ),
+    "stop bits found low": Case(
+        broken("uart-framing-errors", "gnss", duration_s=10.0),
+        ("receiver line disturbed", "receiver line is good again"),
+    ),
+    "parity": Case(
+        broken("uart-parity", "gnss", duration_s=10.0),
+        ("receiver line disturbed", "receiver line is good again"),
+    ),
     "baud mismatch": Case(
         broken("uart-wrong-baud", "gnss", duration_s=20.0, baud=38_400), ("receiver line disturbed",)
     ),

@@ -5,7 +5,7 @@ import contextlib
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from vcd_decoders import Frame, decode_can, decode_i2c, decode_spi, decode_uart, read_vcd
+from vcd_decoders import Frame, Probe, decode_can, decode_i2c, decode_spi, decode_uart, read_vcd
 from wave_captures import PORT, bus_table, capture, finish, processor, waves
 
 from hal.can import CanFrame
@@ -179,6 +179,23 @@ def test_uart_rates_runs_and_what_was_taken_back(tmp_path):
     expected = [(20_000_000 + k * frame // 115_200, k) for k in range(256)]
     assert decode_uart(late, 115_200) == expected
     assert decode_uart(lines["p_tx"], 115_200) == starts
+
+
+def test_uart_bytes_with_faults_look_like_it(tmp_path):
+    """Low stop bits, and a parity bit that makes frames of eleven bits."""
+    writer = capture(tmp_path / "a.mcap", PORT)
+    told = writer.line_recorder("p")
+    bit = 10**9 / 9600
+    told(0, 1_000_000, 0, 9600, b"A", 1)
+    told(0, 10_000_000, 0, 9600, b"AC", 2)
+    waves(finish(writer, 60_000_000), "-o", tmp_path / "a.vcd")
+    probe = Probe(read_vcd(tmp_path / "a.vcd")["p_rx"])
+
+    def bits(start_ns, count):
+        return "".join(probe.at(int(start_ns + (k + 0.5) * bit)) for k in range(count))
+
+    assert bits(1_000_000, 11) == "0" + "10000010" + "0" + "1"
+    assert bits(10_000_000, 23) == "0" + "10000010" + "01" + "0" + "11000010" + "11" + "1"
 
 
 def test_uart_out_at_a_rate_that_nothing_tells(tmp_path):

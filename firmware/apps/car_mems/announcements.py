@@ -15,6 +15,10 @@ from hal.clock import Clock
 AGAIN_NS = 10_000_000_000
 BAD_BYTES = 20
 """Bytes in one look that made no message, from which on the line is called disturbed."""
+PORT_ERROR_WEIGHT = 10
+"""Framing errors and overruns in such bytes: a good line has none, a single one may be a spike."""
+GOOD_LOOKS = 3
+"""Looks without an error in a row after which the line is called good again."""
 
 ALARMS = {
     flags.GNSS_TIME_JUMP: "GNSS time has jumped",
@@ -46,6 +50,8 @@ class Announcer:
         self._phase = gnss.phase
         self._bad_bytes = 0
         self._bad_said_ns = -AGAIN_NS
+        self._line_is_bad = False
+        self._good_looks = 0
         self._card_works = True
         self._has_navigated = False
 
@@ -68,13 +74,20 @@ class Announcer:
     def look_at_line(self) -> None:
         """Once a second: is what comes from the receiver full of errors?"""
         bad_checksums, garbage = self._gnss.stream.line_errors()
-        bad = bad_checksums * BAD_BYTES + garbage
+        port_errors = self._gnss.port_errors
+        bad = bad_checksums * BAD_BYTES + garbage + port_errors * PORT_ERROR_WEIGHT
         grown, self._bad_bytes = bad - self._bad_bytes, bad
         now_ns = self._clock.now_ns()
         if grown >= BAD_BYTES and self._phase is Phase.RUNNING and now_ns - self._bad_said_ns >= AGAIN_NS:
             self._bad_said_ns = now_ns
-            counts = f"{bad_checksums} bad checksums, {garbage} bytes of garbage"
+            self._line_is_bad = True
+            counts = f"{bad_checksums} bad checksums, {garbage} bytes of garbage, {port_errors} port errors"
             self._output.send_text(f"receiver line disturbed: {counts} so far")
+
+        self._good_looks = 0 if grown else self._good_looks + 1
+        if self._line_is_bad and self._good_looks >= GOOD_LOOKS and self._phase is Phase.RUNNING:
+            self._line_is_bad = False
+            self._output.send_text("receiver line is good again")
 
     def _tell_alarms(self, word: int) -> None:
         new, ended = word & ~self._flags, self._flags & ~word

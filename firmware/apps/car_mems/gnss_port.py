@@ -40,6 +40,8 @@ class GnssPort:
         """Epochs that another one overtook before the filter's turn."""
         self._is_waiting = False
         self.epochs = 0
+        self.port_errors = 0
+        """Framing errors and overruns of the port since it runs."""
         self.pulse_dated = False
         self._pulse = (0, 0)
         """Count and time of the edge known when the waiting epoch was dated."""
@@ -75,6 +77,9 @@ class GnssPort:
     def service(self) -> None:
         """From the background: next step of the configuration; a silence ends a burst."""
         self._configurator.step(self._clock.now_ns())
+        errors = self._uart.take_errors()
+        if self._configurator.phase is Phase.RUNNING:
+            self.port_errors += errors
         if self._quiet_looks < QUIET_LOOKS:
             self._quiet_looks += 1
             self._line.pend()

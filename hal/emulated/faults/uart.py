@@ -5,7 +5,7 @@ from __future__ import annotations
 from hal.emulated.faults.chance import BitErrors, Strikes, generator
 from hal.emulated.faults.fault import Fault
 from hal.emulated.uart import EmulatedUart
-from hal.emulated.uart_bytes import NO_STOP_BIT
+from hal.emulated.uart_bytes import NO_STOP_BIT, NOT_TAKEN, ParityFrames, SentBytes, even_bytes
 from hal.emulated.uart_wire import UartWire
 
 FASTEST_BAUD = 100_000_000
@@ -186,19 +186,27 @@ class UartFramingErrors(UartFault):
 
 
 class UartParity(UartFault):
-    """The transmitter sends even parity where none is expected: the receiver takes the parity bit for the
-    stop bit, so every byte with an even number of ones has a framing error. `fired`: those bytes.
+    """The transmitter adds a bit of even parity to what is queued meanwhile: the receiver, which expects
+    none, takes it for the stop bit, so every byte with an even number of ones has a framing error.
+    `fired`: those bytes."""
 
-    The frames keep their ten bits here; on a real line each has one more.
-    """
+    def install(self, wire: UartWire) -> None:
+        """Put the fault on `wire` for its time."""
 
-    frame_by_frame = True
+        def begin() -> None:
+            wire.form = ParityFrames
+            wire.begin_fault(self)
 
-    def frame(self, value: int) -> int | None:
-        """The parity bit where the stop bit should be."""
-        low = value.bit_count() % 2 == 0
-        self.fired += low
-        return value | NO_STOP_BIT if low else value
+        def end() -> None:
+            wire.form = SentBytes
+            wire.end_fault(self)
+
+        self._schedule(wire.time, begin, end)
+
+    def sent(self, data: bytes) -> bytes:
+        """All of it."""
+        self.fired += even_bytes(data)
+        return data
 
 
 class UartOverrun(UartFault):
@@ -210,18 +218,13 @@ class UartOverrun(UartFault):
     def __init__(self, start_ns: int, end_ns: int, probability: float, seed: int, name: str) -> None:
         super().__init__(start_ns, end_ns)
         self._strikes = Strikes(probability, seed, name)
-        self._port: EmulatedUart | None = None
 
     def install_at(self, port: EmulatedUart) -> None:
         """Put the fault at the receiving end of `port` for its time."""
-        self._port = port
         self.install(port.rx)
 
     def frame(self, value: int) -> int | None:
-        """Lost, or not."""
-        if not self._strikes.next():
-            return value
-        self.fired += 1
-        if self._port is not None:
-            self._port.note_overrun()
-        return None
+        """Missed, or not."""
+        struck = self._strikes.next()
+        self.fired += struck
+        return value | NOT_TAKEN if struck else value
