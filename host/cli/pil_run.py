@@ -1,0 +1,80 @@
+"""What `navtwin pil` does."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rich.console import Console
+from rich.table import Table
+
+from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
+from host.cli.output_files import check_files, for_people, write_json
+from host.cli.run_command import check_data
+from host.cli.terminal import standard_error
+from host.pil.planted import PLANTS
+from host.pil.session import PilRequest, PilResult, compare
+from host.record.errors import UserError
+from host.record.result import RunRequest
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """The options."""
+
+    run: RunRequest
+    steps: int
+    port: str | None
+    costs: bool
+    unit: bool
+    planted: str | None
+
+
+def execute(asked: Asked, json: str | None, quiet: bool) -> int:
+    """Compare and print; returns the exit code. Raises UserError."""
+    if asked.steps < 1:
+        raise UserError(f"--steps {asked.steps}: at least one; for example --steps 10000")
+    if asked.planted is not None and asked.planted not in PLANTS:
+        raise UserError(f"--plant {asked.planted}: not known; one of {', '.join(PLANTS)}")
+    if asked.port is not None and asked.planted is not None:
+        raise UserError("--plant: only an emulated board gets another image; leave out --port")
+    check_data(asked.run.data_dir)
+    check_files(("--json", json))
+    request = PilRequest(asked.run, asked.steps, asked.port, asked.costs, asked.planted)
+    result = compare(request, (lambda _: None) if quiet else standard_error().print)
+    write_json(result.to_dict(), json)
+    console = for_people(json)
+    if not quiet:
+        _print_kernels(console, result)
+    _print_verdict(console, result)
+    return EXIT_NOT_MET if result.differences or not result.steps else EXIT_MET
+
+
+def _print_kernels(console: Console, result: PilResult) -> None:
+    table = Table("steps", "kernel", *([f"{result.cycles_are} (mean)", "most"] if result.cycles else []))
+    for name, calls in sorted(result.kernels.items(), key=lambda item: -item[1]):
+        figures = result.cycles.get(name, {})
+        table.add_row(str(calls), name, *(f"{figures[key]:.0f}" for key in ("mean", "most") if figures))
+    console.print(table)
+
+
+def _print_verdict(console: Console, result: PilResult) -> None:
+    where = f"{result.board} {result.profile}, {result.scenario}, {result.virtual_s:.1f} s of virtual time"
+    if result.differences:
+        found = result.first_difference
+        assert found is not None
+        console.print(
+            f"DIFFERENT: {result.differences} of {result.steps} steps on {result.target} ({where});"
+            f" the first, step {found['step']}: {found['kernel']}: {found['state']}:"
+            f" twin {found['twin']!r}, target {found['target']!r}, {found['ulp']} ULP apart",
+            soft_wrap=True,
+            highlight=False,
+        )
+    else:
+        console.print(
+            f"equal: {result.steps} steps on {result.target}, every bit ({where}; {result.wall_s:.1f} s)",
+            soft_wrap=True,
+            highlight=False,
+        )
+    mended = {name: number for name, number in result.line.items() if number}
+    if mended.pop("silent", 0) > 1 or mended:
+        console.print(f"line: {result.line}, all resumed", highlight=False)

@@ -1,0 +1,56 @@
+"""Compiles kernels to one object file, in a process of its own.
+
+    NUMBA_OPT=0 python -m host.pil.compile_kernels OBJECT [PLANT] < names
+
+Reads the full names of kernels from standard input, one a line; writes the object file and prints its
+findings as JSON: {"undefined": […], "fused": n, "hard_float": true, "llvm": …, "numba": …}.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from pathlib import Path
+
+import llvmlite.binding as llvm
+import numba
+
+from firmware.numerics.subnormals import check_subnormals
+from firmware.numerics.variants import KernelVariant
+from host.pil.planted import plant
+from host.pil.target_code import (
+    FUSED,
+    HARD_FLOAT,
+    LIBRARY_SYMBOLS,
+    TargetMachine,
+    make_pointer_kernel,
+    undefined_symbols,
+)
+
+
+def main(target: str, planted: str | None = None) -> None:
+    """Compile what standard input names."""
+    assert os.environ.get("NUMBA_OPT") == "0", "set NUMBA_OPT=0 before numba is imported"
+    check_subnormals()
+    names = sys.stdin.read().split()
+    variant = KernelVariant("target", make_pointer_kernel)
+    for name in names:
+        variant.load(name.rpartition(".")[0])
+    machine = TargetMachine()
+    module = machine.module([variant.kernels[name] for name in names], lambda ir: plant(planted, ir))
+    assembly = machine.llvm.emit_assembly(module)
+    code = machine.llvm.emit_object(module)
+    Path(target).write_bytes(code)
+    findings = {
+        "undefined": [name for name in undefined_symbols(code) if not LIBRARY_SYMBOLS.fullmatch(name)],
+        "fused": len(FUSED.findall(assembly)),
+        "hard_float": HARD_FLOAT.search(assembly) is not None,
+        "llvm": ".".join(map(str, llvm.llvm_version_info)),
+        "numba": numba.__version__,
+    }
+    print(json.dumps(findings))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

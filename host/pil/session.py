@@ -1,0 +1,153 @@
+"""One comparison of a twin with a processor, from the request to its result."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import asdict, dataclass, field
+from typing import Any
+
+from firmware.numerics.dialect import entries_observed
+from hal.emulated.virtual_time import SECOND
+from host.pil.board_kernels import kernels_of
+from host.pil.image import Image, build_image
+from host.pil.lockstep import Counts, Lockstep
+from host.pil.monitor_link import MonitorLink, open_port
+from host.pil.qemu import emulated_board, instructions
+from host.record.result import RunRequest
+from host.run.readiness import make_ready, prepared, user_errors
+from host.run.setup import Setup
+from host.sim.world import World
+
+CHUNK_NS = SECOND // 4
+FORMAT = "navtwin-pil-1"
+
+
+@dataclass(frozen=True, slots=True)
+class PilRequest:
+    """What to compare."""
+
+    run: RunRequest
+    steps: int
+    port: str | None = None
+    """Of a board; None: an emulated one is started."""
+    counting: bool = False
+    """The emulated processor counts instructions (slower)."""
+    planted: str | None = None
+
+
+@dataclass(slots=True)
+class PilResult:
+    """What came of it; `to_dict` is what --json writes."""
+
+    board: str
+    profile: str
+    scenario: str
+    seed: int
+    target: str
+    identity: str
+    image_bytes: int
+    steps: int
+    virtual_s: float
+    wall_s: float
+    first_difference: dict[str, Any] | None
+    differences: int
+    """Steps that differ; the work ends at the tenth."""
+    kernels: dict[str, int]
+    """Steps of each."""
+    cycles: dict[str, dict[str, float]] = field(default_factory=dict)
+    """Mean, least and most of each kernel: instructions when counting, core cycles of a real board."""
+    cycles_are: str | None = None
+    line: dict[str, int] = field(default_factory=dict)
+    versions: dict[str, str] = field(default_factory=dict)
+    planted: str | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        return {"format": FORMAT, **asdict(self)}
+
+
+def image_of(request: RunRequest, planted: str | None = None, limit: int | None = None) -> Image:
+    """The image of a board and profile. Raises UserError."""
+    setup, world = prepared(request)
+    with user_errors():
+        return build_image(kernels_of(setup, world.another()), planted, limit)
+
+
+def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
+    """Run twin and processor beside each other. Raises UserError for what the user can mend."""
+    setup, world = prepared(request.run)
+    with user_errors():
+        kernels = kernels_of(setup, world.another())
+    notice("building the image (a minute when the kernels are new) …")
+    image = build_image(kernels, request.planted)
+    with _processor(image, request) as name:
+        port = open_port(name)
+        try:
+            link = MonitorLink(port, name)
+            greeting = link.greet(image.identity)
+            lockstep = Lockstep(link, image, greeting.memory, request.steps)
+            begin = time.perf_counter()
+            reached_ns = _run_twin(request, setup, world, lockstep)
+            wall_s = time.perf_counter() - begin
+        finally:
+            port.close()
+    result = PilResult(
+        board=setup.board.name,
+        profile=setup.profile_name,
+        scenario=setup.scenario.name,
+        seed=request.run.seed,
+        target="QEMU netduinoplus2" if request.port is None else request.port,
+        identity=image.identity,
+        image_bytes=image.size,
+        steps=lockstep.compared,
+        virtual_s=reached_ns / SECOND,
+        wall_s=wall_s,
+        differences=len(lockstep.differences),
+        first_difference=asdict(lockstep.differences[0]) if lockstep.differences else None,
+        kernels={name: counts.calls for name, counts in sorted(lockstep.counts.items())},
+        line=asdict(link.trouble),
+        versions=image.versions,
+        planted=request.planted,
+    )
+    if request.port is not None or request.counting:
+        result.cycles_are = "cycles" if request.port is not None else "instructions"
+        result.cycles = {
+            name: _figures(counts, request.port is None) for name, counts in sorted(lockstep.counts.items())
+        }
+    return result
+
+
+@contextmanager
+def _processor(image: Image, request: PilRequest) -> Iterator[str]:
+    """Name of the port behind which the image runs."""
+    emulated = emulated_board(image.file("elf"), request.counting) if request.port is None else None
+    with emulated or nullcontext(request.port) as name:
+        assert name is not None
+        yield name
+
+
+def _run_twin(request: PilRequest, setup: Setup, world: World, lockstep: Lockstep) -> int:
+    """Let the twin's firmware run until enough was compared or its scenario ends; returns virtual time."""
+    with entries_observed(lockstep.observe):
+        ready = make_ready(request.run, setup, world)
+        machine = ready.board.machine
+        try:
+            with user_errors():
+                while not lockstep.is_over and ready.board.time.now < world.duration_ns:
+                    machine.run_until(min(ready.board.time.now + CHUNK_NS, world.duration_ns))
+        finally:
+            machine.power_off()
+            ready.surroundings.close()
+        lockstep.flush()
+        return ready.board.time.now
+
+
+def _figures(counts: Counts, emulated: bool) -> dict[str, float]:
+    unit = instructions if emulated else round
+    return {
+        "mean": unit(counts.total / counts.calls),
+        "least": unit(counts.least),
+        "most": unit(counts.most),
+    }
