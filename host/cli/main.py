@@ -13,6 +13,7 @@ from host.cli.allan_command import allan_command
 from host.cli.attach_command import app as attach_app
 from host.cli.attitude_command import attitude_command
 from host.cli.baseline_command import app as baseline_app
+from host.cli.build_command import build_command
 from host.cli.campaign_command import Baseline, Tolerance, campaign_command
 from host.cli.capture_command import app as capture_app
 from host.cli.compare_command import compare_command
@@ -24,6 +25,7 @@ from host.cli.import_command import import_command
 from host.cli.inverse_command import inverse_command
 from host.cli.monitor_command import monitor_command
 from host.cli.new_command import app as new_app
+from host.cli.pil_command import pil_command
 from host.cli.plain_text import PLAINLY
 from host.cli.proof_command import proof_command
 from host.cli.replay_command import replay_command
@@ -174,6 +176,8 @@ app.command("allan")(allan_command)
 app.command("evaluate")(evaluate_command)
 app.command("proof")(proof_command)
 app.command("attitude")(attitude_command)
+app.command("build")(build_command)
+app.command("pil")(pil_command)
 
 
 def main() -> None:
