@@ -31,7 +31,8 @@ def cut(reader: CaptureReader, target: Path, from_s: float, to_s: float) -> int:
     with made_aside(target, "-o") as part, ExitStack() as opened:
         for message in reader.messages():
             if copy is None:
-                where = {"cut": {"from_s": from_s, "to_s": to_s}}
+                until_s = min(to_s, reader.manifest.get("cut", {"to_s": to_s})["to_s"])
+                where = {"cut": {"from_s": max(from_s, reader.cut_from_s), "to_s": until_s}}
                 copy = CaptureCopy(opened.enter_context(part.open("wb")), reader, where)
             inside = _inside(message, begin_ns, end_ns)
             if inside is not None:

@@ -87,16 +87,36 @@ def file_name(topic: str) -> str:
 
 def _csv(reader: CaptureReader, target: Path, topic: str | None) -> list[Path]:
     target.mkdir(parents=True, exist_ok=True)
-    made: dict[str, Path] = {}
+    columns: dict[str, list[str]] = {}
     for name, rows in _tables(reader, topic):
-        is_new = name not in made
-        made[name] = target / f"{file_name(name)}.csv"
-        with made[name].open("a", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, list(rows[0]))
+        is_new = name not in columns
+        known = columns.setdefault(name, _columns_of(rows))
+        _check_columns(reader, name, rows, known)
+        with _csv_of(target, name).open("a", newline="", encoding="utf-8") as file:
+            writer = csv.DictWriter(file, known)
             if is_new:
                 writer.writeheader()
             writer.writerows(rows)
-    return list(made.values())
+    return [_csv_of(target, name) for name in columns]
+
+
+def _csv_of(folder: Path, topic: str) -> Path:
+    return folder / f"{file_name(topic)}.csv"
+
+
+def _columns_of(rows: list[Row]) -> list[str]:
+    """Of all rows, in the order in which they come."""
+    return list(dict.fromkeys(name for row in rows for name in row))
+
+
+def _check_columns(reader: CaptureReader, topic: str, rows: list[Row], known: list[str]) -> None:
+    """The header is written by now. Raises UserError for columns that only later rows have."""
+    later = next((name for row in rows for name in row if name not in known), None)
+    if later is not None:
+        raise UserError(
+            f"capture {reader.path}: {topic} is damaged: its later rows have a column {later!r}, which the"
+            f" first {ROWS_AT_ONCE:,} do not have"
+        )
 
 
 def _parquet(reader: CaptureReader, target: Path, topic: str | None) -> list[Path]:
@@ -111,10 +131,13 @@ def _parquet(reader: CaptureReader, target: Path, topic: str | None) -> list[Pat
     try:
         for name, rows in _tables(reader, topic):
             if name not in writers:
-                fields = [(column, _arrow_type(pa, column)) for column in rows[0]]
+                fields = [(column, _arrow_type(pa, column)) for column in _columns_of(rows)]
                 made[name] = target / f"{file_name(name)}.parquet"
                 writers[name] = parquet.ParquetWriter(made[name], pa.schema(fields))
-            writers[name].write_table(pa.Table.from_pylist(rows, writers[name].schema))
+            try:
+                writers[name].write_table(pa.Table.from_pylist(rows, writers[name].schema))
+            except (pa.ArrowException, OverflowError) as error:
+                raise UserError(f"capture {reader.path}: {name} is damaged: {error}") from None
     finally:
         for writer in writers.values():
             writer.close()

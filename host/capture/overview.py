@@ -93,7 +93,7 @@ def look_over(reader: CaptureReader) -> Overview:
     doubts = Doubts()
     for message in reader.messages():
         if not uses:
-            doubts.mark_ns = round(reader.manifest.get("cut", {}).get("from_s", 0.0) * NS)
+            doubts.mark_ns = round(reader.cut_from_s * NS)
             doubts.paced_topics = PACED if reader.manifest.get("format") == IMPORT_FORMAT else ()
         use = uses.setdefault(message.topic, TopicUse(message.topic, message.schema.name))
         use.bytes += len(message.data)

@@ -23,6 +23,8 @@ from host.capture.topics import CONTROL
 from host.record.errors import UserError
 
 LONGEST_RECORD = 1 << 30
+LATEST_S = 9e9
+"""Times of virtual time are below it, so that they fit into 64 bits of ns."""
 FIRST_FORMAT = "navtwin-capture-1"
 """Of captures that name none: no pins, no marks, lines into the board with the ends of their bytes only."""
 
@@ -94,7 +96,7 @@ class CaptureReader:
                 if not isinstance(record, Message):
                     self._note(record)
                     continue
-                channel = self._channels[record.channel_id]
+                channel = self._channel(record)
                 schema = self._schemas[channel.schema_id]
                 yield RawMessage(
                     channel.topic, channel.message_encoding, schema, record.log_time, record.data
@@ -127,7 +129,7 @@ class CaptureReader:
                 if not isinstance(record, Message):
                     self._note(record)
                     continue
-                channel = self._channels[record.channel_id]
+                channel = self._channel(record)
                 if channel.topic == MARK_TOPIC:
                     end_ns = self._mark(record.data)
                     yield Window(end_ns, _joined(raw), control)
@@ -156,7 +158,23 @@ class CaptureReader:
     def end_ns(self) -> int | None:
         """When the run ended, for one that reached its end and has been read so far."""
         seconds = (self.summary or {}).get("duration_s")
-        return None if seconds is None else round(float(seconds) * 1e9)
+        if seconds is None:
+            return None
+        try:
+            end_ns = round(float(seconds) * 1e9)
+        except (ValueError, OverflowError):
+            end_ns = -1
+        if not 0 <= end_ns < LATEST_S * 1e9:
+            raise UserError(
+                f"capture {self.path}: its record of the end is damaged: duration_s is {seconds!r};"
+                " a run writes seconds there, e.g. '60.0'"
+            )
+        return end_ns
+
+    @property
+    def cut_from_s(self) -> float:
+        """Where it was cut to begin, known as soon as the first record has been given; 0: it was not."""
+        return float(self.manifest.get("cut", {"from_s": 0.0})["from_s"])
 
     def raw_schema(self, topic: str) -> str | None:
         """Schema of a raw topic read by now; None: not raw."""
@@ -211,12 +229,33 @@ class CaptureReader:
             self._schemas[record.id] = record
         elif isinstance(record, Channel):
             self._channels[record.id] = record
+            nameless = Schema(id=record.schema_id, name="", encoding="", data=b"")
+            self._schemas.setdefault(record.schema_id, nameless)  # MCAP allows topics without a schema
         elif isinstance(record, Attachment) and record.name == "manifest.json":
             self.manifest = self._parsed(record.data, "its manifest")
+            self._check_cut()
         elif isinstance(record, Metadata) and record.name == "end":
             self.summary = dict(record.metadata)
         elif isinstance(record, Metadata) and record.name == "capture":
-            self.format = record.metadata["format"]
+            self.format = record.metadata.get("format", FIRST_FORMAT)
+
+    def _channel(self, message: Message) -> Channel:
+        channel = self._channels.get(message.channel_id)
+        if channel is None:
+            raise UserError(
+                f"capture {self.path}: it is damaged: a message of topic number {message.channel_id}, which"
+                " nothing in the file names"
+            )
+        return channel
+
+    def _check_cut(self) -> None:
+        cut = self.manifest.get("cut", {"from_s": 0.0, "to_s": 0.0})
+        times = [cut.get(name) for name in ("from_s", "to_s")] if isinstance(cut, dict) else [None]
+        if not all(isinstance(one, int | float) and 0.0 <= one < LATEST_S for one in times):
+            raise UserError(
+                f"capture {self.path}: its manifest is damaged: 'cut' is {cut!r:.60}; navtwin capture cut"
+                ' writes there, e.g., {"from_s": 60.0, "to_s": 120.0}'
+            )
 
     def _mark(self, data: bytes) -> int:
         if len(data) != MARK.size:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 from host.capture.cutting import cut
 from host.capture.export import export
@@ -77,12 +78,14 @@ def _facts(overview: Overview, reader: WholeReader) -> list[tuple[str, str]]:
     if manifest.get("format") == IMPORT_FORMAT:
         return _facts_of_import(overview)
     run = " ".join(str(manifest.get(name, "?")) for name in ("board", "scenario", "profile"))
-    versions = manifest.get("versions") or {}
+    versions, overrides = manifest.get("versions"), manifest.get("overrides")
+    made_with = versions.items() if isinstance(versions, dict) else ()
+    changed = overrides if isinstance(overrides, list) else []
     facts = [
         ("file", f"{overview.path}, {overview.size:,} bytes, {overview.format}"),
         ("run", f"{run} seed {manifest.get('seed', '?')}"),
-        ("changed", ", ".join(manifest.get("overrides") or []) or "nothing"),
-        ("made with", ", ".join(f"{name} {version}" for name, version in versions.items())),
+        ("changed", ", ".join(map(str, changed)) or "nothing"),
+        ("made with", ", ".join(f"{name} {version}" for name, version in made_with)),
         ("recorded", f"{overview.recorded_s:,.3f} s{'' if overview.duration_s else ', the run did not end'}"),
         ("state hash", overview.state_hash or "none"),
     ]
@@ -97,9 +100,11 @@ def _facts(overview: Overview, reader: WholeReader) -> list[tuple[str, str]]:
 
 def _facts_of_import(overview: Overview) -> list[tuple[str, str]]:
     manifest = overview.manifest
-    files = ", ".join(f"{file['name']} ({file['bytes']:,} bytes)" for file in manifest.get("files") or [])
-    clock = manifest.get("clock") or {}
-    begins = clock.get("origin_utc", "not known: the recording's own clock")
+    sources, clock = manifest.get("files"), manifest.get("clock")
+    files = ", ".join(_source(file) for file in (sources if isinstance(sources, list) else []))
+    begins = (clock if isinstance(clock, dict) else {}).get(
+        "origin_utc", "not known: the recording's own clock"
+    )
     facts = [
         ("file", f"{overview.path}, {overview.size:,} bytes, {overview.format}"),
         ("imported", f"{manifest.get('kind', '?')}: {files}"),
@@ -109,6 +114,15 @@ def _facts_of_import(overview: Overview) -> list[tuple[str, str]]:
     if "cut" in manifest:
         facts.append(("cut", f"from {manifest['cut']['from_s']:g} to {manifest['cut']['to_s']:g} s"))
     return facts
+
+
+def _source(file: Any) -> str:
+    """One of the files that were imported; in captures of others, anything may stand there."""
+    match file:
+        case {"name": name, "bytes": int(size)}:
+            return f"{name} ({size:,} bytes)"
+        case _:
+            return str(file)
 
 
 def _topics(overview: Overview) -> Section:

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from array import array
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,8 @@ from numpy.typing import NDArray
 from boards.description import load_board
 from boards.places import board_folder
 from host.capture.inertial_samples import IMU, InertialSamples
-from host.capture.reader import CaptureReader
+from host.capture.number_rows import check_numbers
+from host.capture.reader import CaptureReader, RawMessage
 from host.importers.time_base import utc_text
 from host.importers.topics import PLACE, VELOCITY
 from host.record.errors import UserError
@@ -30,6 +32,8 @@ from host.replay.road import AGAINST_RECEIVER, AGAINST_TRUTH, NS, Road, metres_p
 Array = NDArray[np.float64]
 IMU_TOPIC = "/imu/"
 COLUMNS = (*IMU.columns, "temperature_degc")
+NEEDED_OF_TRUTH = (*PLACE, *VELOCITY)
+NEEDED_OF_EPOCHS = ("fix", *NEEDED_OF_TRUTH)
 LONGEST_EPOCH_STEP_S = 1.1
 LEAST_SPEED_MPS = 1.0
 """Below it a course means nothing."""
@@ -46,11 +50,12 @@ class ImportedContent:
         rows: dict[str, list[dict[str, Any]]] = {"/gnss": [], "/truth": []}
         for message in reader.messages():
             if message.topic.startswith(IMU_TOPIC):
-                row = reader.row(message)
+                row = self._numbers(reader, message, COLUMNS[1:])
                 values = [math.nan if row[name] is None else row[name] for name in COLUMNS]
                 samples.setdefault(message.topic.removeprefix(IMU_TOPIC), array("d")).extend(values)
             elif message.topic in rows:
-                rows[message.topic].append(reader.row(message))
+                columns = NEEDED_OF_EPOCHS if message.topic == "/gnss" else NEEDED_OF_TRUTH
+                rows[message.topic].append(self._numbers(reader, message, columns))
         tables = {name: np.array(flat).reshape(-1, len(COLUMNS)) for name, flat in samples.items()}
         tables = {name: table for name, table in tables.items() if len(table) > 1}
         self._check(reader, tables, rows["/gnss"])
@@ -84,6 +89,11 @@ class ImportedContent:
             raise UserError(
                 f"capture {reader.path}: inertial samples and receiver have less than a second in common"
             )
+
+    def _numbers(self, reader: CaptureReader, message: RawMessage, columns: Sequence[str]) -> dict[str, Any]:
+        row = reader.row(message)
+        check_numbers(row, columns, f"capture {reader.path}: a row of {message.topic}")
+        return row
 
     def _check(self, reader: CaptureReader, tables: dict[str, Array], epochs: list[dict[str, Any]]) -> None:
         has_fix = any(row["fix"] and row["latitude_deg"] is not None for row in epochs)

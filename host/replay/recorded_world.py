@@ -13,11 +13,12 @@ from boards.chips.world import GnssEpoch, ImuWorld, TenDofWorld
 from boards.description import Board
 from host.capture.blocks import I2cTransaction, SpiTransaction
 from host.capture.inertial_samples import InertialSamples, register_access
+from host.capture.number_rows import check_numbers
 from host.capture.reader import CaptureReader, Decoded
 from host.capture.sensor_traffic import DECODERS
 from host.record.errors import UserError
 from host.record.run_data import NAVIGATING
-from host.replay.road import NS, Road
+from host.replay.road import NS, POSITION, ROAD_COLUMNS, VELOCITY, Road
 from host.sim.gnss.schedule import Window, held, window
 from host.sim.gnss.slow_sky import SlowSky
 from host.sim.recording.recorded_imu import RecordedImu
@@ -30,6 +31,8 @@ LONGEST_EPOCH_STEP_S = 1.1
 """Epochs further apart than this are not interpolated between: there is no fix."""
 H_ACC_M, V_ACC_M, S_ACC_MPS = 3.0, 5.0, 0.1
 """What a receiver of this kind claims under an open sky, where epochs hold no accuracies."""
+EPOCH_COLUMNS = ("fix", *POSITION, *VELOCITY)
+"""What is needed of every epoch, besides its time."""
 CLAIMED = ("h_acc_m", "v_acc_m", "s_acc_mps", "latency_s", "geoid_separation_m")
 """What only imported epochs may hold."""
 
@@ -49,8 +52,7 @@ class RecordedEpochs:
     ) -> None:
         fixed = [row for row in rows if row["fix"] == 1 and row["height_m"] is not None]
         self._t = np.array([row["t_s"] for row in fixed], dtype=np.float64)
-        names = ("latitude_deg", "longitude_deg", "height_m", "v_north_mps", "v_east_mps", "v_down_mps")
-        table = [[row[name] for name in names] for row in fixed]
+        table = [[row[name] for name in (*POSITION, *VELOCITY)] for row in fixed]
         self._rows = np.array(table, dtype=np.float64).reshape(-1, 6)
         self._rows[:, :2] = np.radians(self._rows[:, :2])
         missing = np.isnan(self._rows[:, 5])
@@ -260,6 +262,7 @@ class CaptureContent:
     def __init__(self, reader: CaptureReader, recorded_board: Board) -> None:
         """Reads all of it. Raises UserError when there is no inertial sensor that can be decoded."""
         rows: dict[str, list[dict[str, Any]]] = {"/solution": [], "/gnss": []}
+        columns = {"/solution": ROAD_COLUMNS, "/gnss": EPOCH_COLUMNS}
         self.end_ns = 0
         traffic = {
             f"{chip.bus}.{chip.name or refdes}": (refdes, DECODERS[chip.part]())
@@ -279,6 +282,9 @@ class CaptureContent:
                 if place is not None and access is not None:
                     traffic[place[0]][1].add((access,))
             elif isinstance(record, Decoded) and record.topic in rows:
+                check_numbers(
+                    record.value, columns[record.topic], f"capture {reader.path}: a row of {record.topic}"
+                )
                 rows[record.topic].append(record.value)
         self.epochs, self.climbs = rows["/gnss"], rows["/solution"]
         self.road = Road(self.climbs)

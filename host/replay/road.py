@@ -32,6 +32,14 @@ POSITION, VELOCITY = (
     ("v_north_mps", "v_east_mps", "v_down_mps"),
 )
 ANGLES = ("yaw_deg", "pitch_deg", "roll_deg")
+_ERRORS = (
+    *("error_north_m", "error_east_m", "error_down_m"),
+    *("error_v_north_mps", "error_v_east_mps", "error_v_down_mps"),
+    *("error_yaw_deg", "error_pitch_deg", "error_roll_deg"),
+)
+MOTION_COLUMNS = ("mode", *POSITION, *VELOCITY, *ANGLES)
+ROAD_COLUMNS = (*MOTION_COLUMNS, *_ERRORS)
+"""What a road needs of rows of solutions, besides their times."""
 
 
 class Road:
@@ -112,13 +120,6 @@ class Road:
         for table in (place, velocity, angles):
             table[gap] = math.nan
         return place, velocity, angles
-
-
-_ERRORS = (
-    *("error_north_m", "error_east_m", "error_down_m"),
-    *("error_v_north_mps", "error_v_east_mps", "error_v_down_mps"),
-    *("error_yaw_deg", "error_pitch_deg", "error_roll_deg"),
-)
 
 
 def metres_per_radian(place: Array) -> Array:

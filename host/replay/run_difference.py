@@ -17,13 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.capture.blocks import MARK_TOPIC
+from host.capture.number_rows import check_numbers
 from host.capture.places import NAMES, capture_path
 from host.capture.reader import CaptureReader
 from host.record.errors import UserError
 from host.record.run_data import NAVIGATING
 from host.recovery.whole_reader import WholeReader
 from host.replay.comparison import Compared, Difference
-from host.replay.road import NS, Road, metres_per_radian
+from host.replay.road import MOTION_COLUMNS, NS, Road, metres_per_radian
 from host.score.errors import wrapped
 
 Array = NDArray[np.float64]
@@ -108,7 +109,9 @@ class _Run:
             reader = WholeReader(self.capture)
             for message in reader.messages():
                 if message.topic == "/solution":
-                    self.rows.append(reader.row(message))
+                    row = reader.row(message)
+                    check_numbers(row, MOTION_COLUMNS, f"capture {self.capture}: a row of /solution")
+                    self.rows.append(row)
             self.manifest = reader.manifest
             self.state_hash = (reader.summary or {}).get("state_hash")
             self.end_s = (reader.end_ns or 0) / NS or (self.rows[-1]["t_s"] if self.rows else 0.0)
@@ -125,9 +128,19 @@ class _Run:
             raise UserError(
                 f"{folder}: holds neither a capture nor manifest.json and solution.csv: {error}"
             ) from None
-        self.rows = [{name: float(text) if text else None for name, text in row.items()} for row in rows]
+        self.rows = [{name: _number(text) for name, text in row.items()} for row in rows]
+        for row in self.rows:
+            check_numbers(row, MOTION_COLUMNS, f"{folder / 'solution.csv'}: a row")
         self.state_hash = self.manifest.get("state_hash")
         self.end_s = float(self.manifest.get("duration_s") or (self.rows[-1]["t_s"] if self.rows else 0.0))
+
+
+def _number(text: Any) -> Any:
+    """Of a cell of a table; what is none is left as it is, and told by whoever needs it."""
+    try:
+        return float(text) if text else None
+    except (TypeError, ValueError):
+        return text
 
 
 def _facts(a: Mapping[str, Any], b: Mapping[str, Any]) -> dict[str, tuple[Any, Any]]:

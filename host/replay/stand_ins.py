@@ -9,6 +9,7 @@ heard when it changed is told to whoever begins to listen at that very instant, 
 
 from __future__ import annotations
 
+import struct
 from collections import deque
 from collections.abc import Iterator
 from itertools import count
@@ -104,6 +105,7 @@ class SpiTape:
             place = miso + n
             starts.append(start_ns)
             append((start_ns, start_ns + duration_ns, block[mosi:miso], block[miso:place]))
+        _check_end(place, block)
         return set(starts)
 
     def load_effects(self, effects: dict[int, list[tuple[Net, bool]]]) -> None:
@@ -217,6 +219,7 @@ class LineTape:
             kind = FORMS[baud >> FORM_SHIFT]
             piece = kind(data, start_ns, first, baud & LINE_BAUD) if baud else start_ns
             self._wire.time.at(max(told_ns, self._wire.time.now), lambda piece=piece: self._tell(piece))  # type: ignore[misc]
+        _check_end(place, block)
 
     def _tell(self, piece: SentBytes | int) -> None:
         if isinstance(piece, SentBytes):
@@ -243,6 +246,12 @@ class NoSurroundings:
     def log_sink(self, _name: str) -> Any:
         """Nowhere: the log is made of what is compared already."""
         return _drop
+
+
+def _check_end(place: int, block: bytes) -> None:
+    """That the records of a block ended where it does."""
+    if place > len(block):
+        raise struct.error("a block ends inside a record")
 
 
 def _drop(_block: bytes) -> None:

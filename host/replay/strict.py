@@ -6,6 +6,7 @@ wire to one (processor, CAN bus, log card) are put in their places again; all ot
 
 from __future__ import annotations
 
+import struct
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass
@@ -29,6 +30,7 @@ from host.capture.blocks import (
     pin_topic,
     spi_topic,
     uart_topic,
+    unpack,
 )
 from host.capture.reader import CaptureReader, Window
 from host.capture.writer import CAPTURE_FORMAT, FORMAT_2, FORMAT_3
@@ -147,6 +149,7 @@ class Player:
 
     def __init__(self, setup: Setup, reader: CaptureReader, seed: int) -> None:
         description, tapes = with_stand_ins(setup.board)
+        self._reader = reader
         self.board = board = assemble(description, setup.profile, NoSurroundings())
         own = [fault for fault in setup.scenario.fault if fault.kind in OWN_FAULTS]
         self._control = ControlTape(board, seed, place_faults(own, board, {}, seed, FAR))
@@ -192,7 +195,16 @@ class Player:
         return wall_s
 
     def load(self, window: Window) -> None:
-        """Put recorded traffic where it will be asked for."""
+        """Put recorded traffic where it will be asked for. Raises UserError when it is damaged."""
+        try:
+            self._load(window)
+        except (struct.error, ArithmeticError):
+            for topic, block in window.raw.items():
+                for _record in unpack(str(self._reader.raw_schema(topic)), topic, block):
+                    pass
+            raise
+
+    def _load(self, window: Window) -> None:
         self._control.load(window.control)
         starts: dict[int, str] = {}
         for topic, tape in self._spi.items():
@@ -265,7 +277,7 @@ def _checked_setup(reader: CaptureReader, request: ReplayRequest) -> Setup:
             f" {', '.join(REPLAYED_FORMATS[:-1])} or {REPLAYED_FORMATS[-1]} (pins and exact times of lines);"
             " record it anew with navtwin run"
         )
-    begin_s = reader.manifest.get("cut", {}).get("from_s", 0.0)
+    begin_s = reader.cut_from_s
     if begin_s > 0.0:
         raise UserError(
             f"capture {request.capture}: it was cut and begins at {begin_s:g} s; a strict replay begins where"
