@@ -23,7 +23,7 @@ def execute(file: Path, output: Path | None, preset: str | None, json_file: str 
         raise UserError(f"--preset {preset}: no such preset; {did_you_mean(preset, preset_names())}")
     for module in ("scipy", "allantools"):
         must_have(module, "navtwin allan")
-    check_files(("-o", output), ("--json", json_file))
+    check_files(("-o", output), ("--json", json_file), read=file)
     from host.simulate.allan import curve_of
     from host.simulate.allan_page import page, sections, to_dict
     from host.simulate.imu_record import read_record

@@ -42,7 +42,7 @@ def execute(asked: Asked, output: Path | None, json_file: str | None, quiet: boo
     plan = _plan(asked)
     presets = _presets(asked)
     scenario = _scenario(asked.scenario)
-    check_files(("-o", output), ("--json", json_file))
+    check_files(("-o", output), ("--json", json_file), read=scenario.path)
     drifts: list[Drift] = []
     for preset in presets:
         with progress_bar(f"evaluate {preset}", quiet) as progress:

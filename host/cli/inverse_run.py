@@ -99,7 +99,7 @@ def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
     speed = None if asked.speed is None else _number("--speed", asked.speed, FASTEST_MPS, "10")
     scenario = asked.errors.scenario()
     gnss_rate = rate_of("--gnss-rate", asked.errors.gnss_rate, least=Fraction(0))
-    check_files(("-o", asked.output), ("--json", json_file))
+    check_files(("-o", asked.output), ("--json", json_file), read=asked.trajectory)
     must_have("scipy", "navtwin inverse")
     from host.simulate.flyable import Flyable
     from host.simulate.inverse import Inverse, invert_track
@@ -117,7 +117,7 @@ def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
         )
     about = _about(asked, track, sigma, inverse)
     with progress_bar(f"inverse {asked.trajectory.name}", quiet) as progress:
-        done = invert_track(inverse, asked.output, form, about, progress)
+        done = invert_track(inverse, asked.output, form, about, progress, asked.trajectory)
     _tell(about, done, json_file)
     return EXIT_MET
 

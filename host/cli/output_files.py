@@ -11,7 +11,7 @@ from typing import Any
 from rich.console import Console
 
 from host.cli.terminal import standard_error, standard_output
-from host.record.atomic import write_whole
+from host.record.atomic import refuse_device, write_whole
 from host.record.errors import UserError
 
 STANDARD_OUTPUT = "-"
@@ -33,12 +33,21 @@ def for_people(target: str | None) -> Console:
     return standard_error() if target == STANDARD_OUTPUT else standard_output()
 
 
-def check_files(*files: tuple[str, str | Path | None]) -> None:
-    """Tell before long work that a file could not be written after it. Raises UserError."""
+def check_files(*files: tuple[str, str | Path | None], read: Path | None = None) -> None:
+    """Tell before long work that a file could not be written after it, that two would be one, or that one
+    would take the place of what is `read`. Raises UserError."""
+    taken = {} if read is None else {read.resolve(): "the file that is read"}
     for option, name in files:
         if name is None or str(name) == STANDARD_OUTPUT:
             continue
         path = Path(name)
+        whole = path.resolve()
+        if whole in taken:
+            raise UserError(
+                f"{option} {path}: is {taken[whole]} too; name another one, e.g. {option} new-{path.name}"
+            )
+        taken[whole] = f"the file of {option}"
+        refuse_device(path, option)
         if path.is_dir():
             raise UserError(f"{option} {path}: is a folder; name a file, e.g. {option} {path / 'result'}")
         if not path.parent.is_dir():

@@ -60,8 +60,8 @@ def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
     if asked.output is None and asked.form is not None:
         raise UserError(f"--format {asked.form}: needs a file to write; for example -o drive.csv")
     form = None if asked.output is None else chosen(asked.form, asked.output)
-    check_files(("-o", asked.output), ("--json", json_file))
     request = _request(asked, form)
+    check_files(("-o", asked.output), ("--json", json_file), read=request.scenario.path)
     drive = Drive(request)
     about = _about(asked, request, drive)
     warm_up(request)

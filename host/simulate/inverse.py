@@ -175,12 +175,13 @@ def invert_track(
     form: Format | None,
     about: Mapping[str, Any],
     progress: Progress | None,
+    read: Path | None = None,
 ) -> Inverted:
-    """Invert, and write when there is a path. Raises UserError."""
+    """Invert, and write when there is a path, but not over what was `read`. Raises UserError."""
     begin = time.perf_counter()
     closure = Closure()
     fastest = strongest = 0.0
-    with PartFiles() as files:
+    with PartFiles(read) as files:
         writer = None if path is None or form is None else form.writer(inverse, path, files, about)
         epochs = EpochFeed(inverse.sensors.epochs(inverse.gnss_rate_hz, inverse.duration_ns))
         for block in inverse.blocks(closure):

@@ -39,9 +39,9 @@ class Simulated:
 def simulate(
     drive: Drive, path: Path | None, form: Format | None, about: dict[str, Any], progress: Progress | None
 ) -> Simulated:
-    """Generate the drive, and write it when there is a path. Raises UserError."""
+    """Generate the drive, and write it when there is a path, but not over its scenario. Raises UserError."""
     begin = time.perf_counter()
-    with PartFiles() as files:
+    with PartFiles(drive.request.scenario.path) as files:
         writer = None
         if path is not None and form is not None:
             writer = form.writer(drive, path, files, about)

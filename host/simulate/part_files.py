@@ -8,6 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import IO, BinaryIO, Self
 
+from host.record.atomic import refuse_device
 from host.record.errors import UserError
 
 
@@ -17,12 +18,20 @@ class PartFiles:
     Raises UserError, which names --output, when one cannot be written.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, keep: Path | None = None) -> None:
+        """`keep`: what is read, whose place none of them may take."""
+        self._keep = None if keep is None else keep.resolve()
         self._open: list[tuple[Path, BinaryIO]] = []
         self._asides = contextlib.ExitStack()
 
     def open(self, path: Path) -> BinaryIO:
         """A new one, for binary writing."""
+        if path.resolve() == self._keep:
+            raise UserError(
+                f"-o: would write {path}, which is the file that is read; name another one,"
+                f" for example -o new-{path.name}"
+            )
+        refuse_device(path, "-o")
         part = path.with_name(path.name + ".part")
         try:
             file = part.open("wb")
