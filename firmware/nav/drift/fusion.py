@@ -49,7 +49,10 @@ TWELFTH = np.float32(1.0 / 12.0)
 LARGEST_FORCE = np.float32(4000.0)
 SMALLEST_FORCE = np.float32(1.0e-3)
 LARGEST_FIELD = np.float32(1.0e6)
+SHORTEST_INTERVAL = np.float32(1.0e-5)
 LONGEST_INTERVAL = np.float32(1000.0)
+LARGEST_TURN_SQUARE = np.float32(100.0**2)
+"""rad²: over an interval in which a rate would turn farther, it tells nothing of the attitude."""
 GAP_INTERVALS = np.float32(5.0)
 SHORTEST_GAP = np.float32(0.02)
 USUAL_SHARE = np.float32(0.02)
@@ -69,6 +72,8 @@ def step(d, k, sample):
     pz = d[at.RATE + 2]
     gap = is_gap(k)
     x, y, z = take_rate(d, k, dt, gap, sample[w], sample[w + 1], sample[w + 2])
+    if gap:
+        forget(d, dt)
     wx = d[at.RATE]
     wy = d[at.RATE + 1]
     wz = d[at.RATE + 2]
@@ -81,14 +86,16 @@ def step(d, k, sample):
     )
     f = at.SAMPLE_FORCE
     m = at.SAMPLE_FIELD
-    fuse(d, k, dt, sample[f], sample[f + 1], sample[f + 2], sample[m], sample[m + 1], sample[m + 2])
+    fuse(d, k, d[at.DT], sample[f], sample[f + 1], sample[f + 2], sample[m], sample[m + 1], sample[m + 2])
 
 
 @kernel
 def begin(d, k, dt):
-    """Flags and coefficients of a sample; False when its interval cannot be."""
+    """Flags and coefficients of a sample; False when its interval cannot be.
+
+    DT becomes the time that the sample is worth: after a gap it is one of many, not the mean of all."""
     k[at.FLAGS] = 0
-    if not (dt > ZERO and dt <= LONGEST_INTERVAL):
+    if not (dt >= SHORTEST_INTERVAL and dt <= LONGEST_INTERVAL):
         k[at.BAD_INTERVALS] += 1
         return False
     usual = d[at.USUAL_DT]
@@ -98,6 +105,7 @@ def begin(d, k, dt):
         k[at.FLAGS] |= at.GAP
         k[at.GAPS] += 1
         d[at.USUAL_DT] = usual + USUAL_SHARE * (GAP_INTERVALS - ONE) * usual
+        dt = usual
     else:
         d[at.USUAL_DT] = usual + USUAL_SHARE * (dt - usual)
     if dt != d[at.DT]:
@@ -124,6 +132,8 @@ def _set_gain(d, gain, dt, tau):
 @kernel
 def turn_free(d, x, y, z):
     """Turn the body in the free frame by the rotation vector (x, y, z), body axes."""
+    if not x * x + y * y + z * z <= LARGEST_TURN_SQUARE:
+        return
     qw, qx, qy, qz = quaternion_of_rotation(x, y, z)
     q = at.Q_FREE
     w, x, y, z = quaternion_product(d[q], d[q + 1], d[q + 2], d[q + 3], qw, qx, qy, qz)
