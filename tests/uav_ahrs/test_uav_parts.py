@@ -133,6 +133,28 @@ def test_a_jump_is_refused_until_the_next_burst_says_the_same() -> None:
     assert k[memory.JUMPS] == 2
 
 
+def test_rates_that_jump_to_the_end_of_their_range_are_never_believed() -> None:
+    """The burst is, after ten refused; its rates stay those before until they are in range again."""
+    k = np.zeros(memory.PLAUSIBILITY_SIZE, np.int64)
+    assert not memory.is_jump(k, words(10, 300), False)
+    for n in range(500):
+        burst = words(0x1770, 310)
+        assert memory.is_jump(k, burst, True) == (n < 10)
+        assert n < 10 or burst[1] & 0x3FFF == 10
+    assert k[memory.RATES_ROW] == 500
+    assert k[memory.LAST + 4] & 0x3FFF == 310
+    assert not memory.is_jump(k, words(20, 310), False)
+    assert k[memory.RATES_ROW] == 0
+
+
+def test_rates_that_went_to_the_end_of_their_range_are_believed() -> None:
+    k = np.zeros(memory.PLAUSIBILITY_SIZE, np.int64)
+    for rate in [*range(0, 6000, 400), *[6000] * 50]:
+        burst = words(rate)
+        assert not memory.is_jump(k, burst, rate >= 6000)
+        assert burst[1] & 0x3FFF == rate
+
+
 @given(some.lists(some.integers(-400, 400), min_size=1, max_size=60))
 def test_what_a_body_can_do_is_never_refused(steps: list[int]) -> None:
     k = np.zeros(memory.PLAUSIBILITY_SIZE, np.int64)

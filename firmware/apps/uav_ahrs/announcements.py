@@ -7,8 +7,9 @@ earliest AGAIN_NS later. Numbers belong to STATUS and SENSOR.
 from __future__ import annotations
 
 from firmware.apps.uav_ahrs.attitude import Attitude
+from firmware.apps.uav_ahrs.disagreement import LIMIT
 from firmware.apps.uav_ahrs.output import Output
-from firmware.apps.uav_ahrs.plausibility import JUMPS
+from firmware.apps.uav_ahrs.plausibility import FROZEN_READS, JUMPS
 from firmware.apps.uav_ahrs.sensor import Sensor
 from firmware.nav import flags as modes
 from firmware.nav.attitude import flags as fl
@@ -26,7 +27,7 @@ FEW_A_SECOND = 2
 LARGEST_BIAS = 8_726_646
 """1e-9 rad/s: 0.5 °/s; after an auto-null it is a hundredth of that."""
 TRIADS = ("gyro", "accelerometer", "magnetometer")
-STILL_READS = 250
+STILL_READS = int(FROZEN_READS)
 """A second without the least change: noise alone moves each output."""
 
 TROUBLE = {
@@ -41,6 +42,7 @@ TROUBLE = {
     "overrun": ("samples overrun the attitude task", ""),
     "yaw_given": ("no magnetic field: heading as given", ""),
     "gyro_bias": ("sensor: gyro bias beyond 0.5 deg/s", "sensor: gyro bias small again"),
+    "disagreement": ("gyros contradict force and field", "gyros, force and field agree again"),
     "force_saturated": ("sensor: force beyond its range", "sensor: force within its range again"),
     **{f"still_{name}": (f"sensor: {name} frozen", f"sensor: {name} moves again") for name in TRIADS},
 }
@@ -77,6 +79,11 @@ class Announcer:
                 self._tell(f"still_{name}", SEVERAL if reads > STILL_READS else 0)
         if output.gyro_bias > LARGEST_BIAS or self._told:
             self._tell("gyro_bias", SEVERAL if output.gyro_bias > LARGEST_BIAS else 0)
+        disagrees = self._attitude.disagreement() > LIMIT
+        if disagrees or self._told:
+            self._tell("disagreement", SEVERAL if disagrees else 0)
+        if disagrees:
+            output.doubt()
         forces = self._attitude.forces_held()
         if forces != self._forces or self._told:
             self._tell("force_saturated", forces - self._forces)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.apps.uav_ahrs import plausibility as memory
+from firmware.apps.uav_ahrs.holding import CORRECTION
 from firmware.apps.uav_ahrs.kernels import AttitudeKernels
 from firmware.apps.uav_ahrs.settings import Settings
 from firmware.nav.attitude import flags as fl
@@ -47,6 +48,7 @@ class Attitude:
         self._iteration: Callable[..., int] = kernels.iteration
         self._solution = kernels.solution
         self._drift = kernels.new_drift(config)
+        self._correction_unit = kernels.correction_unit
 
     @property
     def is_aligning(self) -> bool:
@@ -85,6 +87,13 @@ class Attitude:
         """For how many reads gyro, accelerometer and magnetometer have shown exactly the same."""
         counted: list[int] = self.k[memory.STILL : memory.STILL + 3].tolist()
         return counted
+
+    def disagreement(self) -> float:
+        """At which rate force and field correct the gyros, rad/s; 0 without the drift compensation."""
+        if not self._drift:
+            return 0.0
+        mean = self._drift[2][CORRECTION : CORRECTION + 3].tolist()
+        return math.hypot(*mean) * self._correction_unit
 
     def forces_held(self) -> int:
         """Bursts whose force was out of range."""

@@ -1,8 +1,9 @@
 """When the accelerometer says nothing about the vertical, in integers: see `holding`. No float occurs.
 
 Memory `g`, int64: ω̄ (3, Q35: the rate's Q27 and 8 bits more), |f|‾ and |f|₀ (Q29: Q21 and 8 bits more), the
-force withheld (3, as in `s`), whether it is. Limits are met at the same sample as in float64, but for one in
-many thousand: forces and means are kept to 1e-6 of what they are compared with.
+force withheld (3, as in `s`), whether it is, what `fixed_disagreement` keeps (3).
+Limits are met at the same sample as in float64, but for one in many thousand: forces and means are kept to
+1e-6 of what they are compared with.
 """
 
 import math

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from firmware.apps.uav_ahrs.fixed_disagreement import follow_correction
 from firmware.apps.uav_ahrs.fixed_holding import give_back, withhold_force
 from firmware.apps.uav_ahrs.steps import (
     SPOILT,
@@ -31,7 +32,7 @@ def take_burst(s, i, k, raw, words):
     """As `steps.take_burst`."""
     words_of(raw, words)
     found = bridge(s, i) if is_to_bridge(i, k, words) else take_words(s, i, words)
-    forget_old_rates(s, k)
+    forget_old_rates(s, i, k)
     return ready(i, found)
 
 
@@ -66,7 +67,11 @@ def corrected_iteration(s, i, before, d, m, g):
     """As `steps.corrected_iteration`."""
     made = iteration(s, i, before)
     if made != np.int64(0):
-        withhold_force(s, i, g, m[drift.FLAGS] & REGAINING != 0)
+        regaining = m[drift.FLAGS] & REGAINING != 0
+        withhold_force(s, i, g, regaining)
+        q = at.QUATERNION
+        w, x, y, z = np.int64(s[q]), np.int64(s[q + 1]), np.int64(s[q + 2]), np.int64(s[q + 3])
         correct(s, i, d, m)
         give_back(s, g)
+        follow_correction(s, g, regaining, w, x, y, z)
     return made

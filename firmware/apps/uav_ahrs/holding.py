@@ -10,7 +10,8 @@ it longer. So force is withheld from the drift compensation while
 with means over TAU and |f|₀ as it was in the alignment, the accelerometer's own errors included. The gyros
 carry the attitude meanwhile: their in-run bias of 0.007 °/s makes 0.4° in a minute.
 
-Memory `g`, float: ω̄ (3), |f|‾, |f|₀, the force withheld (3), whether it is.
+Memory `g`, float: ω̄ (3), |f|‾, |f|₀, the force withheld (3), whether it is, what `disagreement` keeps
+(3).
 """
 
 import math
@@ -26,7 +27,9 @@ NORM: Final = 3
 AT_REST: Final = 4
 WITHHELD: Final = 5
 IS_WITHHELD: Final = 8
-HOLDING_SIZE: Final = 9
+CORRECTION: Final = 9
+"""3 places, of `disagreement`."""
+HOLDING_SIZE: Final = 12
 
 TAU = np.float32(0.5)
 """s."""

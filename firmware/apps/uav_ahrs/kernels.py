@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.apps.uav_ahrs import fixed_steps
+from firmware.apps.uav_ahrs.fixed_disagreement import RAD_PER_S
 from firmware.apps.uav_ahrs.fixed_holding import FIXED_HOLDING_SIZE
 from firmware.apps.uav_ahrs.holding import HOLDING_SIZE
 from firmware.nav.attitude.config import AttitudeConfig, configure
@@ -34,6 +35,8 @@ class AttitudeKernels:
         self.iteration = entry_point(steps.corrected_iteration if compensated else steps.iteration)
         """(s, i, before, …), what follows as `new_drift` gives it."""
         self.solution = entry_point(loop.solution)
+        self.correction_unit = RAD_PER_S if fixed else 1.0
+        """rad/s of a count that `disagreement` keeps."""
         self._compensated = compensated
         self._fixed = fixed
 

@@ -65,9 +65,13 @@ class Output:
         self._send(self._solutions.pack(record, time_us, self.mode, flags & SHORT, age_us))
         self._cpu.spend(self._frame_cost)
 
-    def doubt(self) -> None:
+    def note_spoilt(self) -> None:
         """An iteration went wrong."""
         self.spoilt += 1
+        self.doubt()
+
+    def doubt(self) -> None:
+        """The attitude may be wrong."""
         self._doubt_until_ns = self._clock.now_ns() + DOUBT_NS
 
     def send_slow(self) -> None:

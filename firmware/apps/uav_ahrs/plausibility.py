@@ -7,7 +7,10 @@
 - a chip that samples no more: its registers stand, ND stays clear read after read;
 - a triad that is frozen: it shows exactly the same read after read, which noise does not allow.
 
-A force at the end of its range says nothing about the vertical: the one before stands for it.
+A force at the end of its range says nothing about the vertical: the one before stands for it. Rates say
+nothing when they are at the end of their range without having got there (no motion jumps), or when they are
+frozen while forces move: the rates before stand for them, force and field count. A sensor whose rates did
+not move in the alignment either has no noise, as in a simulation without errors, and is never called frozen.
 
 Memory `k`, int64: the words believed last, the words refused last, and counts. Bursts are counted by reads.
 """
@@ -37,13 +40,21 @@ STILL: Final = 34
 """Reads in a row in which gyro, accelerometer, magnetometer (3) showed exactly the same."""
 FORCES_HELD: Final = 37
 """Bursts whose force was out of range, so that the one before stood for it."""
-PLAUSIBILITY_SIZE: Final = 38
+RATES_ROW: Final = 38
+"""Reads in a row whose rates were no rates although the burst was one."""
+MOVES: Final = 39
+"""Reads of the alignment in which rates moved."""
+PLAUSIBILITY_SIZE: Final = 40
 
+RATES: Final = 3
 INERTIAL: Final = 6
-"""Words of gyro and accelerometer, from GYRO on."""
+"""Words of the gyro, and of gyro and accelerometer, from GYRO on."""
 MOST_REFUSED: Final = 10
 """In a row; what goes on for longer is no disturbance of single bursts."""
 
+FROZEN_READS = np.int64(250)
+"""1 s."""
+MOVES_OF_NOISE = np.int64(100)
 FORCE_LIMIT = np.int64(5_390)
 """18 g in counts of 1/300 g, less a little."""
 RATE_STEP = np.int64(500)
@@ -53,10 +64,11 @@ FORCE_STEP = np.int64(900)
 
 
 @kernel
-def is_far(k, place, words):
-    """Whether rates or forces are further from those kept at `place` than two samples in a row can be."""
+def is_far(k, place, words, count):
+    """Whether any of the first `count` inertial words (RATES, INERTIAL) is further from that kept at `place`
+    than two samples in a row can be."""
     far = False
-    for n in range(np.int32(INERTIAL)):
+    for n in range(np.int32(count)):
         step = signed_14(words[GYRO + n]) - signed_14(k[place + GYRO + n])
         limit = RATE_STEP if n < np.int32(ACCEL - GYRO) else FORCE_STEP
         far = far or step > limit or step < -limit
@@ -75,15 +87,22 @@ def is_jump(k, words, saturated):
     """Whether this burst is to be refused; else it is kept as the one believed last.
 
     `saturated`: a rate is at the end of its range. No motion gets there in one step, so the burst before
-    does not confirm it."""
-    far = k[SEEN] != np.int64(0) and is_far(k, LAST, words)
-    confirmed = not saturated and k[REFUSALS] > np.int64(0) and not is_far(k, REFUSED, words)
+    does not confirm it; once refused for long, all but its rates is believed."""
+    seen = k[SEEN] != np.int64(0)
+    far = seen and is_far(k, LAST, words, INERTIAL)
+    confirmed = not saturated and k[REFUSALS] > np.int64(0) and not is_far(k, REFUSED, words, INERTIAL)
+    no_rates = saturated and seen and is_far(k, LAST, words, RATES)
+    k[RATES_ROW] = k[RATES_ROW] + np.int64(1) if no_rates else np.int64(0)
     if far and not confirmed and k[REFUSALS] < np.int64(MOST_REFUSED):
         keep(k, REFUSED, words)
         k[REFUSALS] += np.int64(1)
         k[JUMPS] += np.int64(1)
         return True
-    k[REFUSALS] = np.int64(0)
+    if no_rates:
+        for n in range(np.int32(RATES)):
+            words[GYRO + n] = k[LAST + GYRO + n]
+    else:
+        k[REFUSALS] = np.int64(0)
     k[SEEN] = np.int64(1)
     keep(k, LAST, words)
     return False
@@ -98,6 +117,13 @@ def count_still(k, words):
             place = np.int64(GYRO + 3 * triad + n)
             same = same and signed_14(words[place]) == signed_14(k[LAST + place])
         k[STILL + triad] = k[STILL + triad] + np.int64(1) if same else np.int64(0)
+
+
+@kernel
+def is_gyro_frozen(k):
+    """Whether rates stand for long although there is noise in them, and forces move."""
+    stands = k[STILL] > FROZEN_READS and k[STILL + 1] < FROZEN_READS
+    return stands and k[MOVES] > MOVES_OF_NOISE
 
 
 @kernel

@@ -81,7 +81,7 @@ class AttitudeTasks:
     def _on_samples(self) -> None:
         made = self._attitude.iterate()
         if made == SPOILT:
-            self._output.doubt()
+            self._output.note_spoilt()
         self._cpu.spend(self._cost)
         self._iterations += 1
         if self._iterations == self._iterations_per_output:

@@ -7,13 +7,18 @@ from typing import Final
 
 import numpy as np
 
+from firmware.apps.uav_ahrs.disagreement import follow_correction
 from firmware.apps.uav_ahrs.holding import give_back, withhold_force
 from firmware.apps.uav_ahrs.plausibility import (
     FAILED_ROW,
     LOST_READS,
+    MOVES,
+    RATES_ROW,
     STALE_ROW,
+    STILL,
     count_still,
     hold_force,
+    is_gyro_frozen,
     is_jump,
 )
 from firmware.nav.attitude import flags as fl
@@ -27,6 +32,7 @@ from firmware.numerics.dialect import kernel
 HOLD_READS: Final = 25
 """0.1 s: rates that old say nothing about the motion now."""
 NO_SAMPLE: Final = fl.NO_ANSWER | fl.SLIPPED
+RATES_LOST_PLACE: Final = fl.NOTICE_NAMES.index("rates_lost")
 READY: Final = 1 << 16
 """Returned beside what was noticed: three samples wait for an iteration."""
 
@@ -58,6 +64,8 @@ def is_to_bridge(i, k, words):
         return False
     if found & fl.STALE == 0:
         count_still(k, words)
+        if i[at.MODE] != fl.RUNNING and k[STILL] == np.int64(0):
+            k[MOVES] += np.int64(1)
     hold_force(k, words)
     return k[STALE_ROW] > np.int64(HOLD_READS) or is_jump(k, words, found & fl.GYRO_SATURATED != 0)
 
@@ -70,9 +78,14 @@ def ready(i, found):
 
 
 @kernel
-def forget_old_rates(s, k):
-    """Rates that have stood for too long become those of a body at rest."""
-    if k[FAILED_ROW] > np.int64(HOLD_READS):
+def forget_old_rates(s, i, k):
+    """Rates that have stood for too long become those of a body at rest, and are told to be lost."""
+    lost = k[RATES_ROW] > np.int64(HOLD_READS) or is_gyro_frozen(k)
+    if lost and i[at.NOTICED] & fl.RATES_LOST == 0:
+        i[at.NOTICED] |= fl.RATES_LOST
+        i[at.NOTICED_SINCE] |= fl.RATES_LOST
+        i[at.NOTICES + RATES_LOST_PLACE] += 1
+    if lost or k[FAILED_ROW] > np.int64(HOLD_READS):
         k[LOST_READS] += np.int64(1)
         for n in range(np.int32(3)):
             s[at.OMEGA + at.NEWEST + n] = s[at.GYRO_BIAS + n]
@@ -83,7 +96,7 @@ def take_burst(s, i, k, raw, words):
     """A burst into the ring of samples; returns what was noticed (`nav.attitude.flags`) and READY."""
     words_of(raw, words)
     found = bridge(s, i) if is_to_bridge(i, k, words) else take_words(s, i, words)
-    forget_old_rates(s, k)
+    forget_old_rates(s, i, k)
     return ready(i, found)
 
 
@@ -134,10 +147,15 @@ def iteration(s, i, before):
 
 @kernel("int64(float32[::1], int64[::1], float32[::1], float32[::1], int64[::1], float32[::1])")
 def corrected_iteration(s, i, before, d, m, g):
-    """`iteration`, and the drift compensation behind it. `d`, `m`: its memory; `g`: of `holding`."""
+    """`iteration`, and the drift compensation behind it. `d`, `m`: its memory; `g`: of
+    `holding` and `disagreement`."""
     made = iteration(s, i, before)
     if made != np.int64(0):
-        withhold_force(s, g, m[drift.FLAGS] & drift.REGAINING != 0)
+        regaining = m[drift.FLAGS] & drift.REGAINING != 0
+        withhold_force(s, g, regaining)
+        q = at.QUATERNION
+        w, x, y, z = s[q], s[q + 1], s[q + 2], s[q + 3]
         correct(s, i, d, m)
         give_back(s, g)
+        follow_correction(s, g, regaining, w, x, y, z)
     return made

@@ -44,9 +44,10 @@ def correct(s, i, d, k):
     if not begin(d, k, dt):
         return k[at.FLAGS]
     bridged = i[loop.NOTICED] & noticed.BRIDGED != 0
+    without_rates = i[loop.NOTICED] & (noticed.BRIDGED | noticed.RATES_LOST) != 0
     o = loop.OMEGA + loop.NEWEST
     mx, my, mz = s[o], s[o + 1], s[o + 2]
-    if bridged:
+    if without_rates:
         x, y, z = take_rate(d, k, dt, is_gap(k), NAN, NAN, NAN)
     else:
         x, y, z = take_rate(d, k, dt, is_gap(k), mx, my, mz)

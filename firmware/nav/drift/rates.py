@@ -62,8 +62,10 @@ def take_rate(d, k, dt, gap, x, y, z):
     extra_z = ZERO
     missing = d[at.MISSING_TIME] + (dt if gap else ZERO)
     if missing > ZERO and k[at.SAMPLES] > 0:
-        # The last rate (or, over a gap, this one) is held for that time.
+        # The last rate (or, over a gap, this one) is held for that time; one held for long tells nothing.
         back = -HALF * missing if gap else HALF * missing
+        if not gap and missing > LONGEST_PEAK:
+            back = ZERO
         dx = x - d[at.RATE]
         dy = y - d[at.RATE + 1]
         dz = z - d[at.RATE + 2]

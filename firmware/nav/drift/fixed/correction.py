@@ -36,10 +36,11 @@ def correct(s, i, d, k):
     if k[at.SAMPLES] == 0:
         _adopt(s, d, k)
     bridged = i[loop.NOTICED] & noticed.BRIDGED != 0
+    without_rates = i[loop.NOTICED] & (noticed.BRIDGED | noticed.RATES_LOST) != 0
     o = loop.OMEGA + loop.NEWEST
     f = loop.FORCE + loop.NEWEST
     m = loop.FIELD
-    if bridged:
+    if without_rates:
         take_rates(d, k, np.int32(at.MISSING), np.int32(at.MISSING), np.int32(at.MISSING))
     else:
         take_rates(d, k, _rate(s[o]), _rate(s[o + 1]), _rate(s[o + 2]))
