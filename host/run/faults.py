@@ -91,7 +91,10 @@ def place_on_board(fault: Fault, board: AssembledBoard, seed: int, start_ns: int
     maker = KINDS.get(fault.kind)
     if maker is None:
         hint = did_you_mean(fault.kind, [*KINDS, *GNSS_FAULT_KINDS])
-        raise UserError(f"fault {name_of(fault)!r}: no kind of fault {fault.kind!r}; {hint}")
+        raise UserError(
+            f"fault {name_of(fault)!r}: no kind of fault {fault.kind!r}; {hint} (docs/scenarios.md has"
+            ' all of them; for example kind = "spi-missing")'
+        )
     end_ns = FAR if fault.duration_s is None else start_ns + round(fault.duration_s * SECOND)
     try:
         return Placed(fault, *maker(Site(fault, board, start_ns, end_ns, seed)))

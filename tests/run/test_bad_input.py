@@ -90,6 +90,10 @@ def test_command_line(tmp_path: Path, arguments: list[str], words: list[str]) ->
     ("fault", "words"),
     [
         ('kind="nosuch",target="imu",at_s=1.0', ["no kind of fault 'nosuch'", "spi-missing"]),
+        (
+            'kind="spi-mising",target="imu",at_s=1.0',
+            ["did you mean 'spi-missing'?", "docs/scenarios.md"],
+        ),
         ('kind="spi-missing",target="nosuch",at_s=1.0', ["no SPI device 'nosuch'", "imu"]),
         ('kind="gnss-time-jump",target="nosuch",at_s=1.0', ["no receiver 'nosuch'", "U3"]),
         (
