@@ -47,7 +47,7 @@ def execute(asked: Asked, output: Path | None, json_file: str | None, quiet: boo
     for preset in presets:
         with progress_bar(f"evaluate {preset}", quiet) as progress:
             drifts.append(drift_of(scenario, plan, preset, asked.seed, progress))
-    summary = section(drifts, plan)
+    summary = section(drifts, plan, scenario.name)
     console = standard_error() if json_file == "-" else standard_output()
     if not quiet:
         print_section(console, summary)

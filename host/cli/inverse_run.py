@@ -148,6 +148,7 @@ def _about(asked: Asked, track: Track, sigma: float, inverse: Inverse) -> dict[s
         "points": len(track),
         "smooth_m": sigma,
         "attitude_from": "motion" if track.attitude is None else "file",
+        "columns_unused": list(track.unused),
         "samples_are": str(inverse.convention),
         "rate_hz": float(inverse.rate_hz),
         "preset": asked.errors.preset,
@@ -175,6 +176,11 @@ def _tell(about: dict[str, Any], done: Inverted, json_file: str | None) -> None:
         f" {closure['attitude_rms_deg']:.2g}° RMS ({closure['position_max_m']:.2g} m,"
         f" {closure['velocity_max_mps']:.2g} m/s, {closure['attitude_max_deg']:.2g}° at most)",
     ]
+    if about["columns_unused"]:
+        lines.append(
+            f"not used: {', '.join(about['columns_unused'])}; a velocity needs north, east, down,"
+            " an attitude yaw, pitch, roll"
+        )
     files = [str(path) for path in done.files]
     if files:
         lines.append(f"written: {'  '.join(files)}")

@@ -61,14 +61,15 @@ def agrees(drift: Drift) -> bool | None:
     return low <= drift.horizontal_rms_m() <= high
 
 
-def section(drifts: Sequence[Drift], plan: Plan) -> Section:
-    """One row a sensor."""
+def section(drifts: Sequence[Drift], plan: Plan, drive: str) -> Section:
+    """One row a sensor; `drive`: the scenario's name."""
     columns = (
         *("sensor", "horizontal, m", "expected by the filter, m", "vertical, m"),
         *("roll, °", "pitch, °", "yaw, °", "document: simulated, m", "real, m", "agrees, m", "verdict"),
     )
     note = (
-        f"RMS of the error at the end of {plan.outages} outages of {plan.length_s} s, {plan.gap_s} s apart."
+        f"On {drive}; the document prints no drive of its own, and the drive decides."
+        f" RMS of the error at the end of {plan.outages} outages of {plan.length_s} s, {plan.gap_s} s apart."
         f" Receiver: {GNSS_M:g} m, {GNSS_MPS:g} m/s, 1 Hz. Sensors at {RATE_HZ} Hz."
     )
     title = f"Drift without a receiver for {plan.length_s} s"

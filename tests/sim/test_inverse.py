@@ -306,7 +306,7 @@ def changed(number: int, line: str) -> str:
         (HEAD, "holds 0 points"),
         (changed(3, "2,47.03,8.0,440"), "line 5: time 2 s is that of the point before"),
         (changed(3, "1.5,47.03,8.0,440"), "line 5: time goes back from 2 s to 1.5 s"),
-        (changed(3, "3,nan,8.0,440"), "line 5: the latitude is not a number"),
+        (changed(3, "3,nan,8.0,440"), "line 5: the latitude is nan, no finite number; for example 47.05°"),
         (changed(3, "3,47.03,8.0"), "line 5: 3 values, the header has 4"),
         (changed(3, "3,47.03,8.0,up"), "line 5: height 'up' is not a number"),
         (changed(3, "3,97.03,8.0,440"), "line 5: latitude 97.03°"),

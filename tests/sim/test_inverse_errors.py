@@ -83,3 +83,19 @@ def test_mistakes_are_one_message(
     assert words in result.stderr
     assert result.stderr.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_part_of_an_attitude_is_not_dropped_in_silence(tmp_path: Path) -> None:
+    """A heading alone is told to be of no use; with pitch and roll it is taken."""
+    path = tmp_path / "heading.csv"
+    lines = [f"{k},{47 + k * 1e-4},8.0,440,33" for k in range(8)]
+    path.write_text("t_s,lat,lon,alt,heading\n" + "\n".join(lines) + "\n")
+    result = CliRunner().invoke(app, ["inverse", str(path)])
+    assert result.exit_code == 0, result.output
+    assert "not used: yaw;" in result.output
+    path.write_text(
+        "t_s,lat,lon,alt,heading,pitch,roll\n" + "\n".join(f"{line},0,0" for line in lines) + "\n"
+    )
+    result = CliRunner().invoke(app, ["inverse", str(path)])
+    assert "not used" not in result.output
+    assert "attitude from the file" in result.output

@@ -13,6 +13,7 @@ from host.sim.scenario.load import load_scenario
 from host.sim.simulated import SimulatedVehicle
 from host.simulate.proof.closure import inverse_of
 from host.simulate.proof.independent import library_errors
+from host.simulate.proof.scenes import scenario_of
 
 pd = pytest.importorskip("pandas")
 pytest.importorskip("pyins")
@@ -82,3 +83,15 @@ def test_it_agrees_with_the_increments_of_the_inverse_too():
     assert np.linalg.norm(coarse[:2]) < 1e-3
     assert abs(coarse[2]) < 1e-2
     assert np.linalg.norm(coarse[:2]) > 3.0 * np.linalg.norm(fine[:2])
+
+
+@pytest.mark.parametrize("scene", ["ship", "aircraft"])
+def test_what_is_left_is_what_python_ins_leaves_out(scene):
+    """The third-order term of an interval's turn, and the growth of the Coriolis force within an interval."""
+    duration_s = 100.0 if scene == "ship" else 60.0
+    plain, supplied = (
+        np.linalg.norm(library_errors(inverse_of(scenario_of(scene, duration_s=duration_s), 200), terms)[-1])
+        for terms in (False, True)
+    )
+    assert plain > 1e-4
+    assert supplied < 0.1 * plain

@@ -36,6 +36,7 @@ NAMES: dict[str, tuple[str, ...]] = {
     "pitch": ("pitch_deg", "pitch"),
     "roll": ("roll_deg", "roll"),
 }
+VELOCITY, ATTITUDE = ("north", "east", "down"), ("yaw", "pitch", "roll")
 NEEDED = ("time", "latitude", "longitude", "height")
 ANGLES = ("latitude", "longitude", "yaw", "pitch", "roll")
 OTHER_UNITS = (
@@ -154,11 +155,15 @@ def _moment(text: str) -> datetime | None:
 
 
 def _track(named: Mapping[str, Floats], start: datetime | None) -> Track:
-    velocity = attitude = None
-    if {"north", "east", "down"} <= set(named):
-        velocity = np.column_stack([named[name] for name in ("north", "east", "down")])
-    if {"yaw", "pitch", "roll"} <= set(named):
-        attitude = np.column_stack([named[name] for name in ("yaw", "pitch", "roll")])
+    velocity, attitude = _together(named, VELOCITY), _together(named, ATTITUDE)
+    given = [*((VELOCITY,) if velocity is None else ()), *((ATTITUDE,) if attitude is None else ())]
+    unused = tuple(name for names in given for name in names if name in named)
     t = named["time"]
     place = (named["latitude"], named["longitude"], named["height"])
-    return Track(t - t[:1].sum(), *place, velocity, attitude, None if start is None else gps_ns(start))
+    begin = None if start is None else gps_ns(start)
+    return Track(t - t[:1].sum(), *place, velocity, attitude, begin, unused=unused)
+
+
+def _together(named: Mapping[str, Floats], names: tuple[str, str, str]) -> Floats | None:
+    """Three columns that only mean something together; None where one lacks."""
+    return np.column_stack([named[name] for name in names]) if set(names) <= set(named) else None

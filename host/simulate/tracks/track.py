@@ -38,6 +38,8 @@ class Track:
     """GPS time of the first point; None: the file does not tell."""
     noisy: bool = False
     """Whether its points come from a receiver and are to be smoothed unless asked otherwise."""
+    unused: tuple[str, ...] = ()
+    """Quantities of which the file tells only a part, too little to be used."""
 
     def __len__(self) -> int:
         return len(self.t_s)
@@ -47,13 +49,7 @@ def checked(track: Track, source: str, place: Callable[[int], str]) -> Track:
     """The track, when a vehicle can have driven it; `place` names a point: `line 12`. Raises UserError."""
     if len(track) < LEAST_POINTS:
         raise UserError(f"{source}: holds {len(track)} points; a trajectory needs {LEAST_POINTS} at least")
-    named: list[tuple[str, Floats]] = [("time", track.t_s), ("latitude", track.latitude)]
-    named += [("longitude", track.longitude), ("height", track.height)]
-    for name, columns in (("velocity", track.velocity), ("attitude", track.attitude)):
-        if columns is not None:
-            named.append((name, columns.sum(axis=1)))
-    for name, values in named:
-        _none(~np.isfinite(values), source, place, lambda k, name=name: f"the {name} is not a number")  # type: ignore[misc]
+    _check_numbers(track, source, place)
     _check_times(track, source, place)
     degrees = np.degrees(track.latitude)
     _none(
@@ -75,6 +71,23 @@ def checked(track: Track, source: str, place: Callable[[int], str]) -> Track:
         lambda k: f"{speed[k]:,.0f} m/s from the point before (at most {FASTEST_MPS:,.0f})",
     )
     return track
+
+
+def _check_numbers(track: Track, source: str, place: Callable[[int], str]) -> None:
+    named: list[tuple[str, Floats, str]] = [
+        ("time", track.t_s, "12.5 s"),
+        ("latitude", track.latitude, "47.05°"),
+    ]
+    named += [("longitude", track.longitude, "8.31°"), ("height", track.height, "440 m")]
+    for name, columns in (("velocity", track.velocity), ("attitude", track.attitude)):
+        if columns is not None:
+            named.append((name, columns.sum(axis=1), "0.5 on each axis"))
+    for name, values, example in named:
+
+        def told(k: int, name: str = name, values: Floats = values, example: str = example) -> str:
+            return f"the {name} is {values[k]:g}, no finite number; for example {example}"
+
+        _none(~np.isfinite(values), source, place, told)
 
 
 def _check_times(track: Track, source: str, place: Callable[[int], str]) -> None:
