@@ -39,7 +39,7 @@ def execute(asked: Asked, json: str | None, quiet: bool) -> int:
         raise UserError("--plant: only an emulated board gets another image; leave out --port")
     check_data(asked.run.data_dir)
     check_files(("--json", json))
-    request = PilRequest(asked.run, asked.steps, asked.port, asked.costs, asked.planted)
+    request = PilRequest(asked.run, asked.steps, asked.port, asked.costs, asked.planted, asked.unit)
     result = compare(request, (lambda _: None) if quiet else standard_error().print)
     write_json(result.to_dict(), json)
     console = for_people(json)
@@ -59,6 +59,10 @@ def _print_kernels(console: Console, result: PilResult) -> None:
 
 def _print_verdict(console: Console, result: PilResult) -> None:
     where = f"{result.board} {result.profile}, {result.scenario}, {result.virtual_s:.1f} s of virtual time"
+    if not result.virtual_s:
+        where = f"{result.board} {result.profile}, {len(result.kernels)} kernels on their own"
+    for name, reason in result.left_out.items():
+        console.print(f"left out: {name}: {reason}", soft_wrap=True, highlight=False)
     if result.differences:
         found = result.first_difference
         assert found is not None

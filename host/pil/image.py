@@ -165,6 +165,8 @@ def _check(found: dict[str, Any], planted: str | None) -> None:
         raise RuntimeError(f"kernels call what the target does not have: {', '.join(found['undefined'])}")
     if not found["hard_float"]:
         raise RuntimeError("kernels are compiled for the soft-float calling convention")
+    if planted == "fma" and not found["fused"]:
+        raise UserError("--plant fma: these kernels have no product in a sum; for example --plant constant")
     if found["fused"] and planted != "fma":
         raise RuntimeError(f"kernels hold {found['fused']} fused multiply-adds")
 

@@ -125,6 +125,8 @@ class Lockstep:
 
     def flush(self) -> None:
         """Send what waits and compare."""
+        if len(self.differences) >= MOST_DIFFERENCES:
+            self._waiting.clear()
         while self._waiting:
             payload = struct.pack("<H", len(self._waiting)) + b"".join(call.record for call in self._waiting)
             answer = self.link.request(CALLS, payload)
@@ -139,6 +141,11 @@ class Lockstep:
             if len(self.differences) >= MOST_DIFFERENCES:
                 self._waiting.clear()
         self._bytes_waiting = 0
+
+    def forget_arrays(self) -> None:
+        """The arrays of the calls to come are others."""
+        self.flush()
+        self._mirror = Mirror(self.link, self.memory, self.flush)
 
     def _before(
         self, kernel: TargetKernel, arguments: tuple[Any, ...]

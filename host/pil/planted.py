@@ -15,17 +15,36 @@ C_DEFINITIONS = {"rounding": ("-DROUND_TOWARDS_ZERO",)}
 ULP_OF_FLOAT32 = 1 << 29
 """In the bits of a double, as which LLVM writes a float32."""
 
-_PRODUCT_OR_SUM = re.compile(r"\b(fmul|fadd|fsub) (float|nnan)")
-_FACTOR = re.compile(r"(fmul (?:contract )?float [^,]+, )(0x[0-9A-F]{16})")
+_FACTOR = re.compile(r"(fmul float [^,]+, )(0x[0-9A-F]{16})")
+_PRODUCT = re.compile(r"^\s*(%\S+) = fmul float ([^,\s]+), ([^,\s]+)", re.MULTILINE)
+_SUM = re.compile(r"^(\s*%\S+ = )fadd float ([^,\s]+), ([^,\s]+)", re.MULTILINE)
+_FUNCTION = re.compile(r"^define .*?^\}", re.MULTILINE | re.DOTALL)
+_FUSED = "declare float @llvm.fma.f32(float, float, float)\n"
 
 
 def plant(name: str | None, ir: str) -> str:
     """LLVM's intermediate code with the difference `name` in it; None: as it is."""
-    if name == "fma":
-        return _PRODUCT_OR_SUM.sub(r"\1 contract \2", ir)
     if name == "constant":
         return _with_another_constant(ir)
     return ir
+
+
+def fused(ir: str) -> str:
+    """Optimised intermediate code in which each sum with a product is one operation."""
+    return _FUNCTION.sub(lambda match: _fused_function(match[0]), ir) + _FUSED
+
+
+def _fused_function(text: str) -> str:
+    products = {name: (one, other) for name, one, other in _PRODUCT.findall(text)}
+
+    def fuse(match: re.Match[str]) -> str:
+        for factor, term in ((match[2], match[3]), (match[3], match[2])):
+            if factor in products:
+                one, other = products[factor]
+                return f"{match[1]}call float @llvm.fma.f32(float {one}, float {other}, float {term})"
+        return match[0]
+
+    return _SUM.sub(fuse, text)
 
 
 def _with_another_constant(ir: str) -> str:

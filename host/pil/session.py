@@ -15,6 +15,7 @@ from host.pil.image import Image, build_image
 from host.pil.lockstep import Counts, Lockstep
 from host.pil.monitor_link import MonitorLink, open_port
 from host.pil.qemu import emulated_board, instructions
+from host.pil.unit_trials import run_trials, unit_kernels
 from host.record.result import RunRequest
 from host.run.readiness import make_ready, prepared, user_errors
 from host.run.setup import Setup
@@ -22,6 +23,7 @@ from host.sim.world import World
 
 CHUNK_NS = SECOND // 4
 FORMAT = "navtwin-pil-1"
+NO_LIMIT = 1 << 62
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +37,8 @@ class PilRequest:
     counting: bool = False
     """The emulated processor counts instructions (slower)."""
     planted: str | None = None
+    unit: bool = False
+    """Each kernel on its own instead of the twin's run; `steps` is then no limit."""
 
 
 @dataclass(slots=True)
@@ -62,6 +66,8 @@ class PilResult:
     line: dict[str, int] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=dict)
     planted: str | None = None
+    left_out: dict[str, str] = field(default_factory=dict)
+    """Kernels that were not tried on their own, and why."""
 
     def to_dict(self) -> dict[str, Any]:
         """For JSON."""
@@ -80,6 +86,8 @@ def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
     setup, world = prepared(request.run)
     with user_errors():
         kernels = kernels_of(setup, world.another())
+    if request.unit:
+        kernels = unit_kernels(kernels)
     notice("building the image (a minute when the kernels are new) …")
     image = build_image(kernels, request.planted)
     with _processor(image, request) as name:
@@ -87,9 +95,13 @@ def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
         try:
             link = MonitorLink(port, name)
             greeting = link.greet(image.identity)
-            lockstep = Lockstep(link, image, greeting.memory, request.steps)
-            begin = time.perf_counter()
-            reached_ns = _run_twin(request, setup, world, lockstep)
+            limit = NO_LIMIT if request.unit else request.steps
+            lockstep = Lockstep(link, image, greeting.memory, limit)
+            begin, reached_ns, left_out = time.perf_counter(), 0, {}
+            if request.unit:
+                left_out = run_trials(lockstep, notice)
+            else:
+                reached_ns = _run_twin(request, setup, world, lockstep)
             wall_s = time.perf_counter() - begin
         finally:
             port.close()
@@ -110,6 +122,7 @@ def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
         line=asdict(link.trouble),
         versions=image.versions,
         planted=request.planted,
+        left_out=left_out,
     )
     if request.port is not None or request.counting:
         result.cycles_are = "cycles" if request.port is not None else "instructions"

@@ -6,10 +6,13 @@ import ast
 import functools
 import importlib
 import importlib.util
+import re
 import sys
 from pathlib import Path
 
 SIZE = "_SIZE"
+HEADING = re.compile(r"# --- \w\b")
+"""Of the constants of one array, `# --- f: estimate ---`."""
 
 
 def state_name(module: str, array: str, index: int) -> str | None:
@@ -40,30 +43,44 @@ def _layouts(module: str) -> list[str]:
 def _constants(layout: str) -> dict[str, list[tuple[str, int, int]]]:
     """For each array (first element, behind the last one) of each name; F_SIZE, I_SIZE … end a section."""
     module = importlib.import_module(layout)
-    tree = ast.parse(Path(str(module.__file__)).read_text(encoding="utf-8"))
+    text = Path(str(module.__file__)).read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    headings = [(number, line[6]) for number, line in enumerate(text.splitlines()) if HEADING.match(line)]
     arrays: dict[str, list[tuple[str, int, int]]] = {}
-    section: list[tuple[int, str]] = []
+    section: list[tuple[int, int, str]] = []
     for node in tree.body:
         target = node.targets[0] if isinstance(node, ast.Assign) else getattr(node, "target", None)
         if not isinstance(target, ast.Name) or not isinstance(getattr(module, target.id, None), int):
             continue
         value = int(getattr(module, target.id))
         if target.id.endswith(SIZE) and len(target.id) == 1 + len(SIZE):
-            arrays[target.id[0].lower()] = _spans(section, value)
+            array = target.id[0].lower()
+            begin = min((number for number, heading in headings if heading == array), default=0)
+            arrays[array] = _spans([(at, name) for line, at, name in section if line > begin], value)
             section = []
         else:
-            section.append((value, target.id))
+            section.append((node.lineno, value, target.id))
     return arrays
 
 
 def _spans(section: list[tuple[int, str]], size: int) -> list[tuple[str, int, int]]:
-    """Names that grow from one to the next; what stands out of order (numbers of states) is not a place."""
-    places: list[tuple[int, str]] = []
-    for value, name in reversed(section):
-        if value < (places[-1][0] if places else size):
-            places.append((value, name))
-        if value == 0 and places and places[-1][0] == 0:
-            break
-    places.reverse()
-    ends = [at for at, _ in places[1:]] + [size]
-    return [(name, at, end) for (at, name), end in zip(places, ends, strict=True)]
+    """(name, first, behind the last) of the places: the longest sequence of names, in the order of the
+    source, whose numbers grow. What stands out of it (numbers of states, sizes) is no place."""
+    lengths: list[int] = []
+    before: list[int | None] = []
+    for end, (value, _) in enumerate(section):
+        best = max(
+            (at for at in range(end) if section[at][0] < value),
+            key=lambda at: (lengths[at], at),
+            default=None,
+        )
+        before.append(best)
+        lengths.append(1 if best is None else lengths[best] + 1)
+    fitting = [at for at, (value, _) in enumerate(section) if value < size]
+    at = max(fitting, key=lambda one: (lengths[one], one), default=None)
+    spans: list[tuple[str, int, int]] = []
+    while at is not None:
+        value, name = section[at]
+        spans.insert(0, (name, value, spans[0][1] if spans else size))
+        at = before[at]
+    return spans

@@ -17,7 +17,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import bit_comparison
-import generated_inputs
 import host_code
 import llvmlite
 import numba
@@ -29,6 +28,8 @@ from problems import Problem
 from firmware.numerics.cache_folder import kernel_cache_folder
 from firmware.numerics.dialect import compile_lazily
 from firmware.numerics.subnormals import check_subnormals
+from host.pil import generated_inputs, strict_run, target_code
+from host.pil.target_code import make_pointer_kernel
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -37,10 +38,10 @@ def host_problems(what: str) -> Iterator[Problem]:
     """All findings on the code for this PC."""
     if what.endswith(".py"):
         compiled = build_samples(Path(what), functools.partial(compile_lazily, kept_as=None))
-        interpreted = build_samples(Path(what), bit_comparison.interpret_strictly)
+        interpreted = build_samples(Path(what), strict_run.interpret_strictly)
     else:
         compiled = registered_product(what)
-        interpreted = build_product("interpreted", bit_comparison.interpret_strictly, what)
+        interpreted = build_product("interpreted", strict_run.interpret_strictly, what)
     inputs = generated_inputs.owners_inputs(TESTS)
     for name, built in compiled.items():
         if built.signature is None:
@@ -57,9 +58,9 @@ def target_problems(what: str) -> Iterator[Problem]:
     """All findings on the code for the Cortex-M4F."""
     assert os.environ.get("NUMBA_OPT") == "0", "set NUMBA_OPT=0 before numba is imported"
     if what.endswith(".py"):
-        kernels = build_samples(Path(what), target_build.make_pointer_kernel)
+        kernels = build_samples(Path(what), make_pointer_kernel)
     else:
-        kernels = build_product("target", target_build.make_pointer_kernel, what)
+        kernels = build_product("target", make_pointer_kernel, what)
     builder = target_build.TargetBuilder()
     for built in kernels.values():
         if built.signature is not None:
@@ -73,7 +74,10 @@ def findings(half: str, what: str) -> list[dict[str, str]]:
         return [dataclasses.asdict(problem) for problem in host_problems(what)]
     if what.endswith(".py"):
         return [dataclasses.asdict(problem) for problem in target_problems(what)]
-    gate = "".join(path.read_text(encoding="utf-8") for path in sorted(Path(__file__).parent.glob("*.py")))
+    gate = "".join(
+        path.read_text(encoding="utf-8")
+        for path in sorted([*Path(__file__).parent.glob("*.py"), Path(target_code.__file__)])
+    )
     versions = (what, gate, sys.version, numba.__version__, llvmlite.__version__, np.__version__)
     folder = kernel_cache_folder("target gate" + repr(versions))
     kept = folder / "problems.json" if folder is not None else None

@@ -6,7 +6,6 @@ internal, and LLVM's own O2 pipeline runs for the target.
 """
 
 import re
-import struct
 from collections.abc import Iterator
 from typing import Any
 
@@ -21,14 +20,14 @@ from problems import (
     fused_problems,
 )
 
-from firmware.numerics.dialect import compile_once_for_all_literals, declare_only
-from firmware.numerics.signature import Signature
-
-TRIPLE = "thumbv7em-unknown-none-eabihf"  # without "unknown" LLVM silently calls with soft floats
-PROCESSOR = "cortex-m4"
-FEATURES = "+thumb-mode,+vfp4d16sp,-fp64,-d32,-neon"
-ALLOWED_SYMBOLS = re.compile(r"(__aeabi_)?mem(cpy|set|clr|move)[48]?")
-HARD_FLOAT_CALLS = re.compile(r"\.eabi_attribute\s+28,\s*1\b")
+from host.pil.target_code import (
+    FEATURES,
+    HARD_FLOAT,
+    LIBRARY_SYMBOLS,
+    PROCESSOR,
+    TRIPLE,
+    undefined_symbols,
+)
 
 ADVICE = (
     (r"__aeabi_(u?l2[fd]|[fd]2u?lz)", "float32 and int64 meet in firmware.numerics.wide_integers"),
@@ -43,18 +42,6 @@ ADVICE = (
         "needs Python's or numba's run-time library: allocation, text or exception",
     ),
 )
-
-
-def make_pointer_kernel(function: Any, signature: Signature | None) -> Any:
-    """Decorator: the dispatcher of `function`, to be compiled with bare pointers for its arrays."""
-    options = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
-    nothing_for_python = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    dispatcher: Any = numba.njit(**options, **nothing_for_python)(function)
-    if signature is None:
-        compile_once_for_all_literals(dispatcher)
-    else:
-        declare_only(dispatcher, re.sub(r"(\w+)\[::1\]", r"CPointer(\1)", signature.text))
-    return dispatcher
 
 
 class TargetBuilder:
@@ -86,10 +73,10 @@ class TargetBuilder:
         yield from fused_problems(built.name, str(module), assembly)
         if belongs_to_fixed_point(built.name):
             yield from floating_problems(built.name, "optimised", str(module), assembly)
-        if not HARD_FLOAT_CALLS.search(assembly):
+        if not HARD_FLOAT.search(assembly):
             yield Problem(built.name, "soft-float calls", f"no Tag_ABI_VFP_args in the object for {TRIPLE}")
         for symbol in undefined_symbols(self._machine.emit_object(module)):
-            if not ALLOWED_SYMBOLS.fullmatch(symbol):
+            if not LIBRARY_SYMBOLS.fullmatch(symbol):
                 yield Problem(built.name, "library call on the target", f"{symbol}: {_advice(symbol)}")
 
     def _module_for_target(self, ir: str, entry: str) -> Any:
@@ -115,25 +102,6 @@ def remove_unreachable(machine: Any, module: Any) -> None:
     manager = llvm.create_new_module_pass_manager()
     manager.add_global_dead_code_eliminate_pass()
     manager.run(module, builder)
-
-
-def undefined_symbols(image: bytes) -> list[str]:
-    """Names that the 32-bit little-endian ELF object expects from elsewhere (System V ABI, chapter 4)."""
-    assert image[:6] == b"\x7fELF\x01\x01", "not a 32-bit little-endian ELF file"
-    section_offset = struct.unpack_from("<I", image, 32)[0]
-    size, count = struct.unpack_from("<HH", image, 46)
-    sections = [struct.unpack_from("<10I", image, section_offset + n * size) for n in range(count)]
-    names = []
-    for _, kind, _, _, offset, length, link, *_ in sections:
-        if kind != 2:  # SHT_SYMTAB
-            continue
-        text = sections[link][4]
-        for at in range(offset + 16, offset + length, 16):
-            name, _, _, _, _, section = struct.unpack_from("<IIIBBH", image, at)
-            if section == 0:  # SHN_UNDEF
-                end = image.index(b"\0", text + name)
-                names.append(image[text + name : end].decode())
-    return names
 
 
 def _advice(symbol: str) -> str:

@@ -6,16 +6,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 import target_build
-from bit_comparison import compare, interpret_strictly
+from bit_comparison import compare
 from gate_runs import run_half
 from host_code import problems as host_problems
 from kernel_builds import Built, build_samples
 from problems import fused_problems
 from source_rules import violations
-from target_build import TargetBuilder, undefined_symbols
+from target_build import TargetBuilder
 
 from firmware.numerics.dialect import compile_lazily, declare_only
 from firmware.numerics.signature import parse_signature
+from host.pil.strict_run import interpret_strictly
+from host.pil.target_code import make_pointer_kernel, undefined_symbols
 
 HERE = Path(__file__).resolve().parent
 BAD_KERNELS = HERE / "bad_kernels.py"
@@ -145,7 +147,7 @@ def test_separately_rounded_instructions_are_allowed(assembly):
 
 def test_soft_float_triple_is_found(monkeypatch):
     monkeypatch.setattr(target_build, "TRIPLE", "thumbv7em-none-eabihf")
-    sample = built(multiply_add, FLOATS3, target_build.make_pointer_kernel)
+    sample = built(multiply_add, FLOATS3, make_pointer_kernel)
     assert "soft-float calls" in {found.rule for found in TargetBuilder().problems(sample)}
 
 
