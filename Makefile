@@ -5,8 +5,10 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 
+STEPS  := 10000
+
 .DEFAULT_GOAL := help
-.PHONY: help setup run test lint types arrows unit soak bench clean
+.PHONY: help setup run test lint types arrows unit soak bench firmware pil clean
 
 help:  ## show this list
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-8s %s\n", $$1, $$2}'
@@ -44,6 +46,16 @@ soak: setup  ## slow statistical runs: many seeds, long drives
 
 bench: setup  ## where the microseconds go, as x real time
 	$(BIN)/python -m host.bench
+
+firmware: setup  ## images of the navigation kernels for an STM32F405, in build/ (needs gcc-arm-none-eabi)
+	$(BIN)/navtwin build car_mems --target stm32f405
+	$(BIN)/navtwin build uav_ahrs --profile float32 --target stm32f405
+	$(BIN)/navtwin build uav_ahrs --profile fixed --target stm32f405
+
+pil: setup  ## the same kernels on an emulated STM32F405, compared bit by bit (needs qemu-system-arm)
+	$(BIN)/navtwin pil car_mems --scenario static --steps $(STEPS)
+	$(BIN)/navtwin pil uav_ahrs --profile float32 --steps $(STEPS)
+	$(BIN)/navtwin pil uav_ahrs --profile fixed --steps $(STEPS)
 
 clean:  ## remove the virtual environment and all caches
 	rm -rf $(VENV) build *.egg-info .pytest_cache .mypy_cache .ruff_cache .hypothesis
