@@ -26,6 +26,8 @@ LSB_PER_G = {2: 16384.0, 4: 8192.0, 8: 4096.0, 16: 2048.0}
 DEFAULT_GYRO_RANGE_DPS = 250
 DEFAULT_ACCEL_RANGE_G = 4
 RAD_PER_LSB = np.float32(math.pi / 180.0 / LSB_PER_DPS[DEFAULT_GYRO_RANGE_DPS])
+RANGE_END = 32_750
+"""Counts; a reading beyond is at the end of its range (32,767), or so near that it may have been there."""
 METRE_PER_S2_PER_LSB = np.float32(STANDARD_GRAVITY / LSB_PER_G[DEFAULT_ACCEL_RANGE_G])
 
 TWO_TICKS_NS = 78_125

@@ -13,7 +13,8 @@ LEVELLING = 1
 WAITING_FOR_HEADING = 2
 NAVIGATING = 3
 DEGRADED = 4
-"""Navigating on what is left: dead time of the IMU, or a position that has grown too uncertain."""
+"""Navigating on what is left: dead time of the IMU, a position that has grown too uncertain, or a receiver
+that contradicts in position and velocity."""
 MODE_NAMES = ("waiting", "levelling", "waiting for heading", "navigating", "degraded")
 
 # Events: bit number = place in EVENT_TIME and EVENT_COUNT.

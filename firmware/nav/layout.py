@@ -179,7 +179,9 @@ LEFT_RESIDUAL = SCATTER + 1
 SCATTER_COUNT = SCATTER + 3
 SCATTER_SHARE = SCATTER + 4
 """Which share of the configured white variance is enough."""
-CONFIG = SCATTER + 5
+AXIS_REPEATS = SCATTER + 5
+"""For how many samples in a row each axis (gyros, then accelerometers) has read the same."""
+CONFIG = AXIS_REPEATS + 6
 F_SIZE = CONFIG + 92
 
 # --- i ---

@@ -1,6 +1,8 @@
 """Can this sample be a measurement? Finite, within the sensor's range, and not frozen while the vehicle
 moves.
 
+One axis alone that repeats itself is refused once GNSS contradicts, and then until it changes.
+
 A frozen sensor at rest is noted but used: rest looks the same. So is one that repeated itself before it ever
 moved, until GNSS contradicts: it has no noise. What is refused counts as dead time.
 """
@@ -14,6 +16,10 @@ from firmware.numerics.dialect import kernel
 
 ONE = np.float32(1.0)
 HUGE = np.float32(1.0e9)
+ZERO = np.float32(0.0)
+FOUND_STUCK = np.float32(1.0e6)
+"""In place of a number of repeats: this axis was found stuck."""
+AXES = np.int32(6)
 
 
 @kernel
@@ -36,12 +42,40 @@ def is_plausible(f, i, wx, wy, wz, ax, ay, az):
             return _may_repeat(f, i)
         return True
     i[at.UNCHANGED] = 0
+    if _is_axis_stuck(f, i, wx, wy, wz, ax, ay, az):
+        report(i, IMU_STUCK)
+        return False
     f[r] = wx
     f[r + 1] = wy
     f[r + 2] = wz
     f[r + 3] = ax
     f[r + 4] = ay
     f[r + 5] = az
+    return True
+
+
+@kernel
+def _is_axis_stuck(f, i, wx, wy, wz, ax, ay, az):
+    """Count repeats of each axis; whether one of them has stuck while the others went on."""
+    r = at.RAW
+    n = at.AXIS_REPEATS
+    f[n] = f[n] + ONE if wx == f[r] else ZERO
+    f[n + 1] = f[n + 1] + ONE if wy == f[r + 1] else ZERO
+    f[n + 2] = f[n + 2] + ONE if wz == f[r + 2] else ZERO
+    f[n + 3] = f[n + 3] + ONE if ax == f[r + 3] else ZERO
+    f[n + 4] = f[n + 4] + ONE if ay == f[r + 4] else ZERO
+    f[n + 5] = f[n + 5] + ONE if az == f[r + 5] else ZERO
+    longest = ZERO
+    for k in range(AXES):
+        longest = max(longest, f[n + k])
+    if longest >= FOUND_STUCK:
+        return True
+    few = np.int64(np.int32(longest)) < i[cfg.STUCK_SAMPLES]
+    if few or i[at.MODE] != NAVIGATING or i[at.VELOCITY_REFUSED_SINCE] == at.NEVER or not _is_moving(f, i):
+        return False
+    for k in range(AXES):
+        if f[n + k] == longest:
+            f[n + k] = FOUND_STUCK
     return True
 
 

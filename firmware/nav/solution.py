@@ -78,9 +78,19 @@ def solution(f, i, floats, integers):
         _before_navigation(f, i, floats, integers)
     integers[FLAGS] = _flags(f, i, floats)
     dead = i[at.TIME] - i[at.GOOD_SAMPLE_TIME] > 0
-    if mode == fl.NAVIGATING and (dead or (integers[FLAGS] >> fl.POSITION_UNCERTAIN) & 1):
+    uncertain = (integers[FLAGS] >> fl.POSITION_UNCERTAIN) & 1 != 0
+    if mode == fl.NAVIGATING and (dead or uncertain or _is_contradicted(i)):
         mode = np.int64(fl.DEGRADED)
     integers[MODE] = mode
+
+
+@kernel
+def _is_contradicted(i):
+    """Position and velocity of the receiver have both been refused for a while: one side is wrong, and
+    nothing here tells which."""
+    since = max(i[at.POSITION_REFUSED_SINCE], i[at.VELOCITY_REFUSED_SINCE])
+    refused = min(i[at.POSITION_REFUSED_SINCE], i[at.VELOCITY_REFUSED_SINCE]) != at.NEVER
+    return refused and i[at.TIME] - since > fl.HOLD_NS
 
 
 @kernel

@@ -57,6 +57,27 @@ CASES = {
     ),
     "IMU reset": Case(broken("chip-reset", "U2", duration_s=None), ("IMU silent: restarted, ok",)),
     "IMU off": Case(broken("chip-off", "U2"), ("IMU silent", "IMU samples missing"), STEADY_M, 13, LOST),
+    "gyro at the end of its range": Case(
+        broken("sensor-saturated", "U2", duration_s=10.0),
+        ("IMU out of range", "mode: degraded", "aligning again"),
+        10.0,
+        17,
+        LOST,
+    ),
+    "gyro stuck at zero": Case(
+        broken("sensor-stuck", "U2", duration_s=10.0),
+        ("IMU frozen", "mode: degraded", "aligning again"),
+        10.0,
+        17,
+        LOST,
+    ),
+    "gyro drifts away": Case(
+        broken("sensor-drift", "U2", duration_s=10.0),
+        ("GNSS refused", "mode: degraded", "aligning again"),
+        150.0,
+        20,
+        LOST,
+    ),
     "GNSS cable pulled": Case(
         broken("uart-cut", "gnss", duration_s=20.0), ("GNSS lost", "GNSS is back", "receiver: listening")
     ),

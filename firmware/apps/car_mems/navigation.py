@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from firmware.apps.car_mems.sample_clock import CLOCK_SIZE, MISSED, REPEATED, reset_clock
 from firmware.apps.car_mems.settings import Settings
 from firmware.apps.car_mems.steps import APP_SIZE, CLOCK_AT, MEAN_AT
+from firmware.drivers.bmi160_sample import METRE_PER_S2_PER_LSB, RAD_PER_LSB, RANGE_END
 from firmware.nav import layout
 from firmware.nav import solution as record
 from firmware.nav.config import NavConfig, configure
@@ -142,5 +143,7 @@ def nav_config(settings: Settings, installation: Mapping[str, Any], pulse_wired:
         constraint_lever_arm=(-sensor[0], -sensor[1], -sensor[2]),
         constraint=settings.aiding,
         standstill=settings.aiding,
+        rate_limit=float(RANGE_END * RAD_PER_LSB),
+        accel_limit=float(RANGE_END * METRE_PER_S2_PER_LSB),
         **choices,
     )

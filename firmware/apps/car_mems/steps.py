@@ -5,6 +5,7 @@ import numpy as np
 from firmware.apps.car_mems.sample_clock import TIME, sample_time
 from firmware.drivers.bmi160_sample import rate_and_force, sensortime
 from firmware.nav import layout
+from firmware.nav import tuning as cfg
 from firmware.nav.flags import IMU_GAP, report
 from firmware.nav.imu import imu_step
 from firmware.numerics.dialect import kernel
@@ -33,6 +34,8 @@ RATE_STEP = np.float32(0.35)
 """rad/s between two samples: 2000 °/s², which no car does."""
 FORCE_STEP = np.float32(15.0)
 """m/s² between two samples, above vibration of 3 m/s² RMS up to 15 Hz."""
+SPOILT = np.float32(1.0e6)
+"""In place of a reading at the end of its range: the mean that it goes into is beyond the range, too."""
 MOST_REFUSED = np.float32(10.0)
 """In a row; what goes on for a tenth of a second is no disturbance of single samples."""
 
@@ -102,6 +105,10 @@ def timer_sample(f, i, raw, t_read_ns):
     sample_time(i, CLOCK_AT, sensortime(raw), t_read_ns)
     wx, wy, wz, ax, ay, az = rate_and_force(raw)
     wx, wy, wz, ax, ay, az = without_spike(f, i, wx, wy, wz, ax, ay, az)
+    if max(max(abs(wx), abs(wy)), abs(wz)) > f[cfg.RATE_LIMIT]:
+        wx = SPOILT
+    if max(max(abs(ax), abs(ay)), abs(az)) > f[cfg.ACCEL_LIMIT]:
+        ax = SPOILT
     f[MEAN_AT] += wx
     f[MEAN_AT + 1] += wy
     f[MEAN_AT + 2] += wz
