@@ -6,6 +6,7 @@ p = p₀ (T/T₀)^(−g M/(R L)) where the temperature changes by L per metre, p
 
 from __future__ import annotations
 
+import functools
 import math
 
 import numpy as np
@@ -29,6 +30,9 @@ LAYERS = (
 def standard_pressure(height: Floats) -> Floats:
     """Pa at heights above mean sea level, m."""
     geopotential = EARTH_RADIUS * height / (EARTH_RADIUS + height)
+    _, lowest, pressure, temperature, change = _layers()[0]
+    if (geopotential < lowest).all():
+        return pressure * _ratio(geopotential, temperature, change)
     out = np.empty_like(geopotential)
     for base, ceiling, pressure, temperature, change in _layers():
         here = (geopotential >= base) & (geopotential < ceiling)
@@ -59,6 +63,7 @@ def pressure_height(pressure: Floats) -> Floats:
     return out
 
 
+@functools.cache
 def _layers() -> list[tuple[float, float, float, float, float]]:
     """Base, ceiling (m), pressure at the base (Pa), temperature there, its change."""
     found = []

@@ -45,18 +45,18 @@ class MagneticField:
 
     def at(self, latitude: Floats, longitude: Floats, height: Floats) -> Floats:
         """(n, 3) north, east, down in T at places (rad, m above the ellipsoid)."""
-        places = np.column_stack((np.degrees(latitude), np.degrees(longitude), height / 1000.0))
-        size = np.array([CELL_DEG, CELL_DEG, CELL_KM])
-        cells = np.round(places / size).astype(np.int64)
-        if (cells == cells[:1]).all() and len(cells):
-            middle, gradient = self._cell(*cells[0].tolist())
-            near: Floats = middle + (places / size - cells) @ gradient
-            return near
+        places = np.empty((len(latitude), 3))
+        np.multiply(latitude, math.degrees(1.0) / CELL_DEG, out=places[:, 0])
+        np.multiply(longitude, math.degrees(1.0) / CELL_DEG, out=places[:, 1])
+        np.multiply(height, 1.0 / (1000.0 * CELL_KM), out=places[:, 2])
+        cells = np.rint(places)
         out = np.empty((len(places), 3))
-        for cell in np.unique(cells, axis=0):
-            here = np.all(cells == cell, axis=1)
-            middle, gradient = self._cell(*cell.tolist())
-            out[here] = middle + (places[here] / size - cell) @ gradient
+        begin = 0
+        for end in [*(np.flatnonzero((cells[1:] != cells[:-1]).any(axis=1)) + 1).tolist(), len(places)]:
+            if end > begin:
+                middle, gradient = self._cell(*cells[begin].astype(np.int64).tolist())
+                out[begin:end] = middle + (places[begin:end] - cells[begin]) @ gradient
+            begin = end
         return out
 
     def _computed(self, i: int, j: int, k: int) -> tuple[Floats, Floats]:

@@ -57,8 +57,10 @@ class FeltTenDof:
         values = np.empty((len(times_ns), 11))
         place, c_nb = self._feel_motion(times_ns, bandwidth_hz, values)
         noise = self._gain * self._noise.standard_normal((len(times_ns), 4))
-        values[:, 7:10] = self._field.felt(self._field.true(place, c_nb)) @ self._c_bs
-        values[:, 7:10] += self._bias + FIELD_DENSITY * math.sqrt(bandwidth_hz) * noise[:, :3]
+        field = self._field.felt(self._field.true(place, c_nb)) @ self._c_bs
+        field += self._bias
+        field += FIELD_DENSITY * math.sqrt(bandwidth_hz) * noise[:, :3]
+        values[:, 7:10] = field
         values[:, 10] = self._pressure.at(times_ns, place[2]) + PRESSURE_NOISE_PA * noise[:, 3]
         return values
 

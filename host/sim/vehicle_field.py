@@ -36,7 +36,10 @@ class VehicleField:
 
     def true(self, place: tuple[Floats, Floats, Floats], c_nb: Floats) -> Floats:
         """(n, 3) in T, body axes, at latitudes, longitudes (rad), heights (m), attitudes C_n_b (n, 3, 3)."""
-        turned: Floats = np.einsum("kij,ki->kj", c_nb, self._field.at(*place))
+        field = self._field.at(*place)
+        turned: Floats = c_nb[:, 0] * field[:, :1]
+        turned += c_nb[:, 1] * field[:, 1:2]
+        turned += c_nb[:, 2] * field[:, 2:]
         return turned
 
     def felt(self, true: Floats) -> Floats:
