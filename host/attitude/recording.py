@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from host.importers.numpy_archive import arrays_of
+from host.importers.numpy_archive import arrays_of, as_numbers
 from host.record.errors import UserError
 
 Floats = NDArray[np.float64]
@@ -114,7 +114,7 @@ def _read_hdf5(path: Path) -> Arrays:
 
 def _numbers(path: Path, found: dict[str, Any]) -> Arrays:
     try:
-        return {name: np.asarray(values, np.float64) for name, values in found.items()}
+        return {name: as_numbers(values) for name, values in found.items()}
     except (TypeError, ValueError) as error:
         raise UserError(f"{path}: holds something else than numbers: {_first_line(error)}") from None
 

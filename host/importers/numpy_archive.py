@@ -6,6 +6,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -31,7 +32,7 @@ def arrays_of(
                 has = ", ".join(names) or "nothing"
                 raise UserError(f"{path}: not {kind} arrays, it lacks {', '.join(missing)}; it has {has}")
             wanted = [*keys, *(key for key in optional if key in names)]
-            data = {key: np.asarray(archive[key], dtype=np.float64) for key in wanted}
+            data = {key: as_numbers(archive[key]) for key in wanted}
     except (OSError, ValueError, TypeError, EOFError, KeyError, zipfile.BadZipFile, zlib.error) as error:
         cause = str(error).partition(". ")[0]
         names = ", ".join(keys)
@@ -45,3 +46,10 @@ def arrays_of(
                 f"{path}: {key} has the shape {shape}; {kind} has (n{'' if width is None else f', {width}'})"
             )
     return data
+
+
+def as_numbers(values: Any) -> Floats:
+    """As float64. TypeError or ValueError for what is no array of real numbers."""
+    if np.iscomplexobj(values):
+        raise TypeError("complex numbers")
+    return np.asarray(values, np.float64)

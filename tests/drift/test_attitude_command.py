@@ -154,6 +154,7 @@ def test_gyro_delay_is_taken(trial):
         ({"imu_acc": np.full((3000, 3), np.nan)}, "imu_acc holds no number at all"),
         ({"imu_acc": np.full((3000, 3), 0.6)}, "it must be in m/s², about 9.8 at rest"),
         ({"imu_gyr": np.full((3000, 3), 300.0)}, "imu_gyr is about 300; it must be in rad/s"),
+        ({"imu_gyr": np.full((3000, 3), 1j)}, "cannot be read as a NumPy archive: complex numbers"),
     ],
 )
 def test_wrong_arrays(tmp_path, change, message):
