@@ -43,6 +43,12 @@ def simulate_command(
         str | None,
         typer.Option("--second-antenna", metavar="X,Y,Z", help="Of a receiver that measures the baseline."),
     ] = None,
+    imu_at: Annotated[
+        str, typer.Option("--imu-at", metavar="X,Y,Z", help="Lever arm of the inertial sensor, m.")
+    ] = "0,0,0",
+    mounting: Annotated[
+        str, typer.Option("--mounting", metavar="YAW,PITCH,ROLL", help="Of its axes in the body, °.")
+    ] = "0,0,0",
     mag_rate: Annotated[str, typer.Option("--mag-rate", metavar="HZ", help="Magnetometer; 0: none.")] = "0",
     baro_rate: Annotated[str, typer.Option("--baro-rate", metavar="HZ", help="Barometer; 0: none.")] = "0",
     seed: Annotated[int, typer.Option("--seed", parser=whole_number, metavar="N")] = 1,
@@ -61,11 +67,11 @@ def simulate_command(
     """
 
     def command() -> int:
-        from host.cli.simulate_run import Asked, Rates, execute
+        from host.cli.simulate_run import Asked, Places, Rates, execute
 
         rates = Rates(rate, gnss_rate, mag_rate, baro_rate)
-        antennas = (antenna, second_antenna)
-        asked = Asked(scenario, output, form, rates, samples, antennas, seed, tuple(changes or ()))
+        places = Places(antenna, second_antenna, imu_at, mounting)
+        asked = Asked(scenario, output, form, rates, samples, places, seed, tuple(changes or ()))
         return execute(asked, json, quiet)
 
     guarded(command, NOTHING_KEPT)

@@ -42,6 +42,16 @@ class Rates:
 
 
 @dataclass(frozen=True, slots=True)
+class Places:
+    """Where things sit in the body, as words."""
+
+    antenna: str
+    second_antenna: str | None
+    sensor: str
+    mounting: str
+
+
+@dataclass(frozen=True, slots=True)
 class Asked:
     """The words of the command line."""
 
@@ -50,7 +60,7 @@ class Asked:
     form: str | None
     rates: Rates
     samples: str | None
-    antennas: tuple[str, str | None]
+    places: Places
     seed: int
     changes: tuple[str, ...]
 
@@ -98,7 +108,7 @@ def _request(asked: Asked, form: Format | None) -> Request:
         )
     if not 0 <= asked.seed <= LARGEST_SEED:
         raise UserError(f"--seed {asked.seed}: must lie in 0 … {LARGEST_SEED}; for example --seed 1")
-    antenna, second = asked.antennas
+    second = asked.places.second_antenna
     magnetometer_hz = rate_of("--mag-rate", asked.rates.magnetometer, least=Fraction(0))
     barometer_hz = rate_of("--baro-rate", asked.rates.barometer, least=Fraction(0))
     return Request(
@@ -107,7 +117,9 @@ def _request(asked: Asked, form: Format | None) -> Request:
         rate_hz=rate_of("--rate", asked.rates.imu, least=SLOWEST_HZ),
         gnss_rate_hz=rate_of("--gnss-rate", asked.rates.gnss, least=Fraction(0)),
         convention=convention_of(asked.samples, form),
-        antenna_m=_lever("--antenna", antenna),
+        antenna_m=_lever("--antenna", asked.places.antenna),
+        sensor_m=_lever("--imu-at", asked.places.sensor),
+        mounting_rad=_mounting(asked.places.mounting),
         second_antenna_m=None if second is None else _lever("--second-antenna", second),
         magnetometer_hz=magnetometer_hz,
         barometer_hz=barometer_hz,
@@ -152,6 +164,18 @@ def _lever(option: str, text: str) -> tuple[float, float, float]:
     return x, y, z
 
 
+def _mounting(text: str) -> tuple[float, float, float]:
+    example = "must be yaw, pitch, roll in °, within ±360, 90, 180; e.g. --mounting 90,0,180"
+    try:
+        angles = [float(part) for part in text.split(",")]
+    except ValueError:
+        angles = []
+    if len(angles) != 3 or not all(abs(x) <= most for x, most in zip(angles, (360, 90, 180), strict=True)):
+        raise UserError(f"--mounting {text}: {example}")
+    yaw, pitch, roll = (math.radians(angle) for angle in angles)
+    return yaw, pitch, roll
+
+
 def _about(asked: Asked, request: Request, drive: Drive) -> dict[str, Any]:
     """What made the files; it repeats with them."""
     return {
@@ -166,6 +190,8 @@ def _about(asked: Asked, request: Request, drive: Drive) -> dict[str, Any]:
         "barometer_rate_hz": float(request.barometer_hz),
         "antenna_m": list(request.antenna_m),
         "second_antenna_m": request.second_antenna_m,
+        "imu_at_m": list(request.sensor_m),
+        "mounting_deg": [math.degrees(angle) for angle in request.mounting_rad],
         "start_utc": request.scenario.start.utc,
         "samples": drive.samples,
         "gnss_epochs": drive.epochs,

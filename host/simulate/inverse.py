@@ -32,6 +32,7 @@ from host.sim.mechanization import (
     invert,
 )
 from host.sim.trajectory.kinematics import C_NB, FORCE, OMEGA_IB, ROW
+from host.simulate.attitude_forms import matrices, quaternions
 from host.simulate.epochs import EpochFeed
 from host.simulate.flyable import Flyable
 from host.simulate.formats.known import Format
@@ -204,29 +205,7 @@ def invert_track(
 
 def wanted_states(rows: Floats) -> Floats:
     """Rows (n, 10) for the inverse: position, velocity, quaternion."""
-    half = 0.5 * rows[:, 6:9]
-    (cy, cp, cr), (sy, sp, sr) = np.cos(half).T, np.sin(half).T
-    quaternions = np.column_stack(
-        (
-            cy * cp * cr + sy * sp * sr,
-            cy * cp * sr - sy * sp * cr,
-            cy * sp * cr + sy * cp * sr,
-            sy * cp * cr - cy * sp * sr,
-        )
-    )
-    return np.hstack((rows[:, :6], quaternions))
-
-
-def matrices(q: Floats) -> Floats:
-    """C_n_b (n, 9), by rows, of quaternions (n, 4)."""
-    a, b, c, d = q.T
-    return np.column_stack(
-        (
-            *(a * a + b * b - c * c - d * d, 2.0 * (b * c - a * d), 2.0 * (b * d + a * c)),
-            *(2.0 * (b * c + a * d), a * a - b * b + c * c - d * d, 2.0 * (c * d - a * b)),
-            *(2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d),
-        )
-    )
+    return np.hstack((rows[:, :6], quaternions(rows[:, 6:9])))
 
 
 def _angles_between(one: Floats, other: Floats) -> Floats:

@@ -25,8 +25,9 @@ from host.sim.seeding import generator
 from host.sim.simulated import SimulatedVehicle
 from host.sim.trajectory.kinematics import C_NB, HEIGHT, LATITUDE, LONGITUDE, VELOCITY
 from host.sim.truth import euler_angles
+from host.simulate.attitude_forms import matrices
 from host.simulate.instants import NS
-from host.simulate.inverse import matrices, wanted_states
+from host.simulate.inverse import wanted_states
 from host.simulate.loose_filter import LooseFilter, tuning_of
 from host.simulate.stream import IMU, Block, Convention, Drive, Request
 

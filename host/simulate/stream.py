@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from boards.chips.world import GnssEpoch, GnssWorld
+from host.sim.errors.sensor_kernel import move_forces
 from host.sim.gnss.faults import GNSS_FAULT_KINDS, glitches_of, refuse_baseline_faults
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.magnetic_field import MagneticField
@@ -24,6 +25,7 @@ from host.sim.simulated import SimulatedVehicle
 from host.sim.trajectory.joints import Joints, examine
 from host.sim.trajectory.kinematics import C_NB, FORCE, OMEGA_DOT, OMEGA_IB
 from host.simulate.ambient import Ambient, Barometer, Magnetometer
+from host.simulate.attitude_forms import matrices, quaternions
 from host.simulate.baseline_rows import BASELINE, BASELINE_NAME, baseline_rows
 from host.simulate.convention import Convention
 from host.simulate.instants import NS, count_within, instants
@@ -60,6 +62,10 @@ class Request:
     """0: no receiver."""
     convention: Convention = Convention.INSTANT
     antenna_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    sensor_m: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Where the inertial sensor sits, body axes."""
+    mounting_rad: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    """Yaw, pitch, roll of its axes against the body's."""
     second_antenna_m: tuple[float, float, float] | None = None
     """Of a receiver with two."""
     magnetometer_hz: Fraction = Fraction(0)
@@ -72,7 +78,8 @@ class Drive:
     def __init__(self, request: Request) -> None:
         self.request = request
         self._vehicle = SimulatedVehicle(request.scenario, request.seed)
-        self._imu = self._vehicle.imu(IMU, np.eye(3), np.zeros(3))
+        mounting = matrices(quaternions(np.array([request.mounting_rad])))[0].reshape(3, 3)
+        self._imu = self._vehicle.imu(IMU, mounting, np.zeros(3))
         self.duration_ns = self._vehicle.duration_ns
         self._receiver = _receiver(request, self._vehicle)
         self._intervals = count_within(request.rate_hz, self.duration_ns)
@@ -143,12 +150,19 @@ class Drive:
 
     def _instants(self, first: int, count: int) -> Block:
         times_ns = instants(self.request.rate_hz, first, count)
-        rows = self._vehicle.motion.rows(times_ns)
+        rows = self._rows(times_ns)
         return Block(times_ns, self._imu.measured(times_ns, rows, self._bandwidth_hz), rows)
+
+    def _rows(self, times_ns: NDArray[np.int64]) -> Floats:
+        """Rows of truth whose force is that at the sensor's place."""
+        rows = self._vehicle.motion.rows(times_ns)
+        if any(self.request.sensor_m):
+            move_forces(np.array(self.request.sensor_m), rows)
+        return rows
 
     def _means(self, first: int, count: int) -> Block:
         fine_ns = instants(4 * self.request.rate_hz, 4 * first, 4 * count + 1)
-        fine = self._vehicle.motion.rows(fine_ns)
+        fine = self._rows(fine_ns)
         times_ns, rows = np.ascontiguousarray(fine_ns[4::4]), np.ascontiguousarray(fine[4::4])
         signals = slice(OMEGA_IB, OMEGA_DOT)
         assert OMEGA_IB < FORCE < OMEGA_DOT

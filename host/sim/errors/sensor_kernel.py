@@ -60,6 +60,13 @@ def lever_effect(lever: Floats, row: Floats) -> None:
         row[FORCE + i] -= row[C_NB + i] * gn + row[C_NB + 3 + i] * ge + row[C_NB + 6 + i] * gd
 
 
+@entry
+def move_forces(lever: Floats, rows: Floats) -> None:
+    """Move the specific force in rows of truth (n, ROW) from the origin to the lever arm (3)."""
+    for k in range(rows.shape[0]):
+        lever_effect(lever, rows[k])
+
+
 @inner
 def add_noise(
     t: float, bandwidth_hz: float, sensor: Floats, normals: Floats, column: int, memory: Floats
