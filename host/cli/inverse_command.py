@@ -44,6 +44,9 @@ def inverse_command(
     gnss_rate: Annotated[
         str, typer.Option("--gnss-rate", metavar="HZ", help="Of a receiver along the way; 0: none.")
     ] = "0",
+    antenna: Annotated[
+        str, typer.Option("--antenna", metavar="X,Y,Z", help="Of the receiver: forward, right, down, m.")
+    ] = "0,0,0",
     preset: Annotated[
         str, typer.Option("--preset", "-p", metavar="NAME", help="Errors of the inertial sensor.")
     ] = "perfect",
@@ -69,7 +72,7 @@ def inverse_command(
     def command() -> int:
         from host.cli.inverse_run import Asked, Errors, execute
 
-        errors = Errors(preset, tuple(changes or ()), seed, gnss_rate)
+        errors = Errors(preset, tuple(changes or ()), seed, gnss_rate, antenna)
         asked = Asked(trajectory, output, form, rate, samples, smooth, bank, speed, max_gap, errors)
         return execute(asked, json, quiet)
 

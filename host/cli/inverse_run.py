@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from boards.hints import did_you_mean
 from host.cli.exit_codes import EXIT_MET
 from host.cli.output_files import check_files
-from host.cli.simulate_run import SLOWEST_HZ, convention_of, rate_of
+from host.cli.simulate_run import SLOWEST_HZ, convention_of, lever_of, rate_of
 from host.cli.terminal import progress_bar, standard_error, standard_output
 from host.record.atomic import write_whole
 from host.record.errors import UserError
@@ -48,6 +48,7 @@ class Errors:
     changes: tuple[str, ...]
     seed: int
     gnss_rate: str
+    antenna: str
 
     def scenario(self) -> Scenario:
         """What they say, as a scenario says it. Raises UserError, ScenarioError."""
@@ -99,6 +100,7 @@ def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
     speed = None if asked.speed is None else _number("--speed", asked.speed, FASTEST_MPS, "10")
     scenario = asked.errors.scenario()
     gnss_rate = rate_of("--gnss-rate", asked.errors.gnss_rate, least=Fraction(0))
+    antenna = lever_of("--antenna", asked.errors.antenna)
     check_files(("-o", asked.output), ("--json", json_file), read=asked.trajectory)
     must_have("scipy", "navtwin inverse")
     from host.simulate.flyable import Flyable
@@ -109,7 +111,7 @@ def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
     sigma = _sigma(asked, track)
     motion = Flyable(track, sigma, asked.bank)
     start_ns = track.start_gps_ns if track.start_gps_ns is not None else Start().gps_time_ns
-    sensors = TrackSensors(scenario, asked.errors.seed, motion, start_ns)
+    sensors = TrackSensors(scenario, asked.errors.seed, motion, start_ns, antenna)
     inverse = Inverse(motion, rate, convention, start_ns, sensors, gnss_rate)
     if inverse.samples < 2:
         raise UserError(
@@ -156,6 +158,7 @@ def _about(asked: Asked, track: Track, sigma: float, inverse: Inverse) -> dict[s
         "seed": asked.errors.seed,
         "gnss_rate_hz": float(inverse.gnss_rate_hz),
         "gnss_epochs": inverse.epochs,
+        "antenna_m": list(lever_of("--antenna", asked.errors.antenna)),
         "samples": inverse.samples,
         "duration_s": inverse.duration_ns / 1e9,
         "points_rms_m": float(math.sqrt((offsets**2).mean())),

@@ -117,10 +117,10 @@ def _request(asked: Asked, form: Format | None) -> Request:
         rate_hz=rate_of("--rate", asked.rates.imu, least=SLOWEST_HZ),
         gnss_rate_hz=rate_of("--gnss-rate", asked.rates.gnss, least=Fraction(0)),
         convention=convention_of(asked.samples, form),
-        antenna_m=_lever("--antenna", asked.places.antenna),
-        sensor_m=_lever("--imu-at", asked.places.sensor),
+        antenna_m=lever_of("--antenna", asked.places.antenna),
+        sensor_m=lever_of("--imu-at", asked.places.sensor),
         mounting_rad=_mounting(asked.places.mounting),
-        second_antenna_m=None if second is None else _lever("--second-antenna", second),
+        second_antenna_m=None if second is None else lever_of("--second-antenna", second),
         magnetometer_hz=magnetometer_hz,
         barometer_hz=barometer_hz,
     )
@@ -154,7 +154,8 @@ def convention_of(text: str | None, form: Format | None) -> Convention:
     return wanted
 
 
-def _lever(option: str, text: str) -> tuple[float, float, float]:
+def lever_of(option: str, text: str) -> tuple[float, float, float]:
+    """Three lengths in m. Raises UserError."""
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:

@@ -99,3 +99,34 @@ def test_a_part_of_an_attitude_is_not_dropped_in_silence(tmp_path: Path) -> None
     result = CliRunner().invoke(app, ["inverse", str(path)])
     assert "not used" not in result.output
     assert "attitude from the file" in result.output
+
+
+def test_an_antenna_off_the_sensor_is_elsewhere_and_swings(tmp_path: Path) -> None:
+    """Eastwards at 10 m/s on the equator, turning at 0.2 rad/s: 3 m ahead is 3 m along yaw, 0.6 m/s faster
+    across it."""
+    lines = [
+        f"{0.1 * k:.1f},0,{math.degrees(k / 6378137.0):.12f},0,{math.degrees(0.02 * k):.9f},0,0"
+        for k in range(101)
+    ]
+    path = tmp_path / "spin.csv"
+    path.write_text("t_s,lat,lon,alt,yaw,pitch,roll\n" + "\n".join(lines) + "\n")
+    quiet = ("--gnss-rate", 1, "--set", "gnss.position_white_m=0", "--set", "gnss.position_markov_m=0")
+    quiet += ("--set", "gnss.velocity_white_mps=0")
+    found = []
+    for antenna in ("3,0,0", "0,0,0"):
+        result = inverse(path, "-o", tmp_path / "spin.npz", *quiet, "--antenna", antenna)
+        assert result.exit_code == 0, result.output
+        found.append(np.load(tmp_path / "spin.npz")["gnss"])
+    there, here = found
+    yaw = 0.2 * here["t_s"]
+    east = np.radians(there["longitude_deg"] - here["longitude_deg"]) * 6378137.0
+    north = np.radians(there["latitude_deg"] - here["latitude_deg"]) * 6335439.3
+    np.testing.assert_allclose(east, 3.0 * np.sin(yaw), atol=2e-3)
+    np.testing.assert_allclose(north, 3.0 * np.cos(yaw), atol=2e-3)
+    inside = slice(1, -1)  # the spline ends without a neighbour
+    np.testing.assert_allclose(
+        (there["v_north_mps"] - here["v_north_mps"])[inside], -0.6 * np.sin(yaw)[inside], atol=2e-3
+    )
+    np.testing.assert_allclose(
+        (there["v_east_mps"] - here["v_east_mps"])[inside], 0.6 * np.cos(yaw)[inside], atol=2e-3
+    )
