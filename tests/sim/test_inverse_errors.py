@@ -110,8 +110,8 @@ def test_an_antenna_off_the_sensor_is_elsewhere_and_swings(tmp_path: Path) -> No
     ]
     path = tmp_path / "spin.csv"
     path.write_text("t_s,lat,lon,alt,yaw,pitch,roll\n" + "\n".join(lines) + "\n")
-    quiet = ("--gnss-rate", 1, "--set", "gnss.position_white_m=0", "--set", "gnss.position_markov_m=0")
-    quiet += ("--set", "gnss.velocity_white_mps=0")
+    zero = ("position_white_m", "position_markov_m", "velocity_white_mps")
+    quiet = ["--gnss-rate", "1", *(word for name in zero for word in ("--set", f"gnss.{name}=0"))]
     found = []
     for antenna in ("3,0,0", "0,0,0"):
         result = inverse(path, "-o", tmp_path / "spin.npz", *quiet, "--antenna", antenna)
