@@ -184,7 +184,13 @@ def imported_manifest(
     text = (board_folder(request.board) / "board.toml").read_text(encoding="utf-8")
     name = f"import-{reader.manifest.get('kind', 'recording')}"
     profile = request.profile or board.default_profile
-    scenario = _scenario_text(content, reader.manifest.get("clock") or {})
+    try:
+        scenario = _scenario_text(content, reader.manifest.get("clock") or {})
+    except (AttributeError, KeyError, TypeError, ValueError, OverflowError) as error:
+        raise UserError(
+            f"capture {request.capture}: its manifest is damaged: 'clock' is {reader.manifest['clock']!r:.80}"
+            f" ({type(error).__name__}: {error}); an import writes a table there"
+        ) from None
     return build_manifest(board.name, text, name, scenario, profile, 1, request.overrides)
 
 

@@ -102,7 +102,7 @@ def rewritten(path, target, change=None, **told):
         for message in messages:
             data = message.data if change is None else change(message.topic, message.data)
             writer.add_message(channels[message.topic], message.time_ns, data, message.time_ns)
-        writer.add_metadata("end", {**reader.summary, **told.get("end", {})})
+        writer.add_metadata("end", {**(reader.summary or {}), **told.get("end", {})})
         writer.finish()
     return target
 

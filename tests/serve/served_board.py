@@ -90,11 +90,12 @@ class ServedHere(Board):
         self._request = request
         self._ready = threading.Event()
         self._result: dict[str, Any] = {}
-        self._thread = threading.Thread(target=self._serve)
+        self._thread = threading.Thread(target=self._serve, daemon=True)
 
     def __enter__(self) -> ServedHere:
         self._thread.start()
-        self._ready.wait(60.0)
+        if not self._ready.wait(180.0) or "control" not in self.places:
+            raise TimeoutError("the served board did not come up")
         self.control = Control(self.places["control"])
         return self
 
