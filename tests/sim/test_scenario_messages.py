@@ -52,6 +52,10 @@ CASES = {
     "kind": (GOOD.replace('"rest"', '"rset"'), ["segment[1]", 'kind = "rset"', "did you mean 'rest'"]),
     "no kind": (GOOD.replace('kind = "rest", ', ""), ["segment[1]", "kind is missing", 'kind = "turn"']),
     "in a segment": (GOOD.replace("to_mps", "to_kmh"), ["segment[2].to_kmh = 10.0", "m/s", "to_mps = 12.0"]),
+    "overlapping segments": (
+        GOOD.replace('"reach-speed",', '"reach-speed", start_s = 10.0,'),
+        ["segment[2]", "start_s = 10.0", "so that none overlap", "for example segment = "],
+    ),
     "missing in a segment": (
         GOOD.replace(", to_mps = 10.0", ""),
         ["segment[2].to_mps is missing", "to_mps = 12.0"],

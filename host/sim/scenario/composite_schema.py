@@ -22,7 +22,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from host.sim.schema import NotNegative, Positive, Table
+from host.sim.scenario.segment_table import SegmentTable
+from host.sim.schema import NotNegative, Positive
 from host.sim.trajectory.ballistic import GRAVITY, flight, flight_time
 from host.sim.trajectory.course import Course, swinging
 from host.sim.trajectory.piece import constant, fall_window, rise_window, wave
@@ -49,7 +50,7 @@ SIX_FACES = [
 ]
 
 
-class _Composite(Table):
+class _Composite(SegmentTable):
     duration_s: Positive = Field(le=1e6, examples=[60.0])
 
 
@@ -114,7 +115,7 @@ class FigureEight(_Composite):
         return SegmentRates(turn_rate=[*there, *back])
 
 
-class RotaryTable(Table):
+class RotaryTable(SegmentTable):
     """Positions of a rate table."""
 
     kind: Literal["rotary-table"]
@@ -270,7 +271,7 @@ class Ship(_Composite):
         return course.rates()
 
 
-class Shell(Table):
+class Shell(SegmentTable):
     """An artillery shell."""
 
     kind: Literal["shell"]

@@ -27,7 +27,8 @@ from typing import Annotated, ClassVar, Literal, Self
 from pydantic import Field, model_validator
 
 from host.sim.scenario.composite_schema import CompositeModel
-from host.sim.schema import NotNegative, Positive, Table
+from host.sim.scenario.segment_table import SegmentTable
+from host.sim.schema import NotNegative, Positive
 from host.sim.trajectory.piece import Piece, constant, ramp, wave
 from host.sim.trajectory.rates import blended, document_turn, trapezoid
 from host.sim.trajectory.segments import SegmentRates
@@ -41,7 +42,7 @@ Angle = Annotated[float, Field(ge=-89.0, le=89.0)]
 AngleRate = Annotated[float, Field(ge=-2000.0, le=2000.0)]
 
 
-class _Segment(Table):
+class _Segment(SegmentTable):
     forwards_only: ClassVar[bool] = True
     """Whether its speed must not fall below zero."""
 
