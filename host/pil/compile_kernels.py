@@ -18,7 +18,7 @@ import numba
 
 from firmware.numerics.subnormals import check_subnormals
 from firmware.numerics.variants import KernelVariant
-from host.pil.planted import fused, plant
+from host.pil.planted import plant
 from host.pil.target_code import (
     FUSED,
     HARD_FLOAT,
@@ -38,9 +38,9 @@ def main(target: str, planted: str | None = None) -> None:
     for name in names:
         variant.load(name.rpartition(".")[0])
     machine = TargetMachine()
-    module = machine.module([variant.kernels[name] for name in names], lambda ir: plant(planted, ir))
-    if planted == "fma":
-        module = llvm.parse_assembly(fused(str(module)))
+    module = machine.module([variant.kernels[name] for name in names])
+    if planted is not None:
+        module = llvm.parse_assembly(plant(planted, str(module)))
     assembly = machine.llvm.emit_assembly(module)
     code = machine.llvm.emit_object(module)
     Path(target).write_bytes(code)

@@ -87,7 +87,7 @@ def build_image(
 def _identity(kernels: Sequence[TargetKernel], compiler: str, planted: str | None) -> str:
     """16 hex digits over all that the image is made of."""
     monitor = [*SOURCES.glob("*.[ch]"), *SOURCES.glob("*.ld"), HERE / "kernel_table.py", HERE / "image.py"]
-    return _hash(monitor, (_identity_of_code(kernels, planted), compiler, BAUD))
+    return _hash(monitor, (_identity_of_code(kernels, planted), planted, compiler, BAUD))
 
 
 def _identity_of_code(kernels: Sequence[TargetKernel], planted: str | None) -> str:

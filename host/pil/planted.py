@@ -1,14 +1,13 @@
 """Differences planted into the image on purpose, to see that the comparison catches them.
 
 fma        products and sums are fused, as a compiler does with -ffp-contract=fast
-constant   one constant, the most frequent factor, is changed by one unit in the last place
+constant   constant factors are off by one unit in the last place
 rounding   the processor rounds towards zero
 """
 
 from __future__ import annotations
 
 import re
-from collections import Counter
 
 PLANTS = ("fma", "constant", "rounding")
 C_DEFINITIONS = {"rounding": ("-DROUND_TOWARDS_ZERO",)}
@@ -23,15 +22,12 @@ _FUSED = "declare float @llvm.fma.f32(float, float, float)\n"
 
 
 def plant(name: str | None, ir: str) -> str:
-    """LLVM's intermediate code with the difference `name` in it; None: as it is."""
+    """LLVM's optimised intermediate code with the difference `name` in it; None: as it is."""
+    if name == "fma":
+        return _FUNCTION.sub(lambda match: _fused_function(match[0]), ir) + _FUSED
     if name == "constant":
-        return _with_another_constant(ir)
+        return _with_other_constants(ir)
     return ir
-
-
-def fused(ir: str) -> str:
-    """Optimised intermediate code in which each sum with a product is one operation."""
-    return _FUNCTION.sub(lambda match: _fused_function(match[0]), ir) + _FUSED
 
 
 def _fused_function(text: str) -> str:
@@ -47,10 +43,5 @@ def _fused_function(text: str) -> str:
     return _SUM.sub(fuse, text)
 
 
-def _with_another_constant(ir: str) -> str:
-    found = Counter(match[2] for match in _FACTOR.finditer(ir))
-    if not found:
-        return ir
-    chosen = max(sorted(found), key=found.__getitem__)
-    changed = f"0x{int(chosen, 16) + ULP_OF_FLOAT32:016X}"
-    return _FACTOR.sub(lambda match: match[1] + (changed if match[2] == chosen else match[2]), ir)
+def _with_other_constants(ir: str) -> str:
+    return _FACTOR.sub(lambda match: f"{match[1]}0x{int(match[2], 16) + ULP_OF_FLOAT32:016X}", ir)

@@ -15,6 +15,7 @@ from host.pil.image import Image, build_image
 from host.pil.lockstep import Counts, Lockstep
 from host.pil.monitor_link import MonitorLink, open_port
 from host.pil.qemu import emulated_board, instructions
+from host.pil.toolchain import EMULATOR, version_of
 from host.pil.unit_trials import run_trials, unit_kernels
 from host.record.result import RunRequest
 from host.run.readiness import make_ready, prepared, user_errors
@@ -83,6 +84,8 @@ def image_of(request: RunRequest, planted: str | None = None, limit: int | None 
 
 def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
     """Run twin and processor beside each other. Raises UserError for what the user can mend."""
+    if request.port is None:
+        version_of(EMULATOR)
     setup, world = prepared(request.run)
     with user_errors():
         kernels = kernels_of(setup, world.another())

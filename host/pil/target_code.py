@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from typing import Any
 
 import llvmlite.binding as llvm
@@ -60,17 +60,14 @@ class TargetMachine:
             cpu=PROCESSOR, features=FEATURES, opt=2, reloc="static"
         )
 
-    def module(self, kernels: Iterable[Any], change: Callable[[str], str] = str) -> Any:
-        """All `kernels` (of `make_pointer_kernel`), in this order, in one optimised module.
-
-        `change` is applied to the text of the intermediate code.
-        """
+    def module(self, kernels: Iterable[Any]) -> Any:
+        """All `kernels` (of `make_pointer_kernel`), in this order, in one optimised module."""
         whole, entries = None, []
         for kernel in kernels:
             kernel.compile_declared()
             result = next(iter(kernel.overloads.values()))
             entries.append(result.fndesc.mangled_name)
-            part = llvm.parse_assembly(change(self._retargeted(str(result.library._final_module))))
+            part = llvm.parse_assembly(self._retargeted(str(result.library._final_module)))
             if whole is None:
                 whole = part
             else:
