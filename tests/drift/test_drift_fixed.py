@@ -60,6 +60,18 @@ def test_no_numbers_are_bridged(motion, columns):
     assert k[at.SATURATIONS] == 0
 
 
+def test_one_missing_rate_is_no_reason_to_level_anew(motion):
+    """Forces of motion would turn the attitude if levelling began again: as with float32, it does not."""
+    rows = rows_of(motion)
+    rows[2000::400, 0] = math.nan
+    q, flags, _, k = filtered(rows, motion.dt)
+    whole, _, _, _ = filtered(rows_of(motion), motion.dt)
+    assert (flags[2000::400] & float_at.NO_RATE).all()
+    assert k[float_at.BAD_RATES] == len(rows[2000::400])
+    plain, missing = (rms(errors_deg(found, motion)[motion.moves]) for found in (whole, q))
+    assert missing < plain + 0.3
+
+
 def test_what_fits_no_format_is_missing(motion):
     rows = rows_of(motion)
     rows[3000:3010] *= 1e6

@@ -2,7 +2,8 @@
 
 A sample is nine integers: ω (Q25 rad/s), f (Q22 m/s²), m (Q41 T); MISSING is a value that is none. Gains,
 limits and structure are those of the float filter; it differs in two things: a missing rate is held without
-looking back, and after saturation levelling and heading are regained without bridging the peak.
+looking back (`losing` has what may be wrong by that), and after saturation levelling and heading are
+regained without bridging the peak.
 """
 
 import numpy as np
@@ -19,6 +20,7 @@ from firmware.nav.drift.fixed.bias import (
 )
 from firmware.nav.drift.fixed.heading import take_field
 from firmware.nav.drift.fixed.levelling import keep_quaternion, level, quaternion_at, rotated
+from firmware.nav.drift.fixed.losing import lose, lose_all, unknown_turn
 from firmware.nav.drift.fixed.smoothing import grown, keep, smooth
 from firmware.numerics.dialect import kernel
 from firmware.numerics.fixed.angles import sine_cosine
@@ -34,7 +36,6 @@ STILL_RATE = in_q((2.0 * 3.141592653589793 / 180.0) ** 2, 40)
 STILL_FORCE = in_q(0.25, 24)
 LARGEST_BIAS = in_q(2.0 * 3.141592653589793 / 180.0, at.Q_RATE)
 LARGEST_DEVIATION = 1 << 29
-LOST_PACE = in_q(4.0, at.Q_PACE)
 
 
 @kernel("void(int32[::1], int64[::1], int32[::1])")
@@ -63,8 +64,14 @@ def take_rates(d, k, x, y, z):
     """RATE and its flags from rates that may be missing."""
     if x == at.MISSING or y == at.MISSING or z == at.MISSING:
         k[at.FLAGS] |= flag.NO_RATE
-        lose(d, k)
+        k[flag.BAD_RATES] += 1
+        k[at.MISSING_TIME] += 1
+        if k[at.MISSING_TIME] > k[at.LONGEST_MISSING]:
+            lose_all(k)
         return
+    if k[at.MISSING_TIME] > 0 and k[at.SAMPLES] > 0:
+        lose(d, k, unknown_turn(d, k, np.int64(x), np.int64(y), np.int64(z)))
+    k[at.MISSING_TIME] = 0
     d[at.RATE] = x
     d[at.RATE + 1] = y
     d[at.RATE + 2] = z
@@ -72,17 +79,7 @@ def take_rates(d, k, x, y, z):
     if limit > 0 and max(max(abs(np.int64(x)), abs(np.int64(y))), abs(np.int64(z))) >= limit:
         k[at.FLAGS] |= flag.SATURATED
         k[at.SATURATED_SAMPLES] += 1
-        lose(d, k)
-
-
-@kernel
-def lose(d, k):
-    """An unknown angle was lost: levelling and heading learn quickly again."""
-    if k[at.SAMPLES] > 0:
-        k[at.FORCE_AGE] = min(k[at.FORCE_AGE], k[at.YOUNG])
-        k[at.FINE_PACE] = max(k[at.FINE_PACE], np.int64(LOST_PACE) << (at.Q_FINE_PACE - at.Q_PACE))
-        k[at.BIAS_PAUSE] = k[at.PAUSE]
-        k[at.LOSSES] += 1
+        lose_all(k)
 
 
 @kernel

@@ -101,7 +101,11 @@ ALIGNED_AGES: Final = 40
 """Ages of the mean force and of the mean heading that the loop's alignment counts for."""
 FINE_COVARIANCE: Final = 42
 """Of the bias: xx, xy, xz, yy, yz, zz in (°/s)², Q50."""
-K_SIZE: Final = 48
+MISSING_TIME: Final = 48
+"""Samples without rates in a row."""
+LONGEST_MISSING: Final = 49
+"""More in a row, and all is lost."""
+K_SIZE: Final = 50
 
 # --- a sample for `step` ---
 SAMPLE_OMEGA: Final = 0

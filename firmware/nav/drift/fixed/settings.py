@@ -26,6 +26,7 @@ TIMES_S = {
     at.PAUSE: 6.0,
     at.YOUNG: 0.3,
     at.UNLEVELLED_AGE: 0.3,
+    at.LONGEST_MISSING: 0.4,
 }
 SAMPLE_Q = np.repeat([at.Q_RATE, at.Q_FORCE, at.Q_FIELD], 3)
 
