@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 
-from host.record.tables import BIAS, GNSS, INNOVATION, SOLUTION, Table
+from host.record.tables import BIAS, GNSS, INNOVATION, SENSOR, SOLUTION, Table
 
 TABLES: dict[str, tuple[str, Table]] = {
     "/solution": ("navtwin.Solution", SOLUTION),
     "/gnss": ("navtwin.Gnss", GNSS),
     "/innovation": ("navtwin.Innovation", INNOVATION),
     "/bias": ("navtwin.Bias", BIAS),
+    "/sensor": ("navtwin.Sensor", SENSOR),
 }
 IMPORT_FORMAT = "navtwin-import-1"
 """Of the manifest of a capture that was imported: no run stands behind it."""

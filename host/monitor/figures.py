@@ -52,6 +52,7 @@ def figures(view: MonitorView) -> dict[str, Any]:
         "gnss": _gnss(state),
         "satellites": None if state.satellites is None else [one._asdict() for one in state.satellites],
         "status": _status(state.status),
+        "sensor": None if state.sensor is None else state.sensor._asdict(),
         "tasks": [one.figures._asdict() | {"load": one.load} for one in state.tasks.values()] or None,
         "innovation": _innovation(state.innovation),
         "bias": _bias(state.bias),

@@ -7,6 +7,7 @@ import math
 from rich.text import Text
 
 from firmware.link import frames
+from host.link.messages import Sensor
 from host.monitor.bars import bar, sparkline
 from host.monitor.link_health import LinkHealth
 from host.monitor.state import BoardState, TaskLoad
@@ -17,6 +18,9 @@ SPARK_SIGMAS = 3.0
 COMPONENTS = ("N", "E", "D", "vN", "vE", "vD")
 FULL_TASK_BAR = 0.25
 NAME_WIDTH = 12
+AGE_UNKNOWN = 0xFFFF
+TROUBLE = ("stale", "jumps", "no_answer", "slipped", "gyro_saturated", "rates_lost", "field_implausible")
+"""Counters of a SENSOR frame that are shown."""
 
 
 def link_lines(state: BoardState, link: LinkHealth, width: int, height: int) -> list[Text]:
@@ -82,6 +86,8 @@ def imu_lines(state: BoardState, width: int, height: int) -> list[Text]:
         lines.append(_three("rate °/s", tuple(map(degrees, state.inertial.rates)), 2, "bold"))
     if state.inertial is not None:
         lines.append(_three("force m/s²", state.inertial.forces, 2, "bold"))
+    if state.sensor is not None:
+        return lines + sensor_lines(state.sensor, width)
     if bias is None:
         return [*lines, Text("no biases yet", "dim")]
     values, sigmas = bias.values, bias.sigmas
@@ -95,6 +101,24 @@ def imu_lines(state: BoardState, width: int, height: int) -> list[Text]:
         Text(f"latency {_with_sigma(values[8] * 1e3, sigmas[8] * 1e3, 1)} ms", no_wrap=True),
     ]
     return lines
+
+
+def sensor_lines(sensor: Sensor, width: int) -> list[Text]:
+    """What a sensor measures beside motion, the age of its samples, and trouble with it so far."""
+    known = sensor.age_most_us != AGE_UNKNOWN
+    age = f"{sensor.age_least_us} … {sensor.age_most_us} µs" if known else "-"
+    sound = sensor.diagnosis == 0
+    told: list[list[tuple[str, str]]] = [
+        [(f"supply {sensor.supply_mv / 1e3:.2f} V", "")],
+        [(f"{sensor.temperature_centi_c / 100:.1f} °C", "")],
+        [(f"{sensor.pressure_pa / 100:.1f} hPa", "")],
+        [(f"field {sensor.field_nt / 1e3:.1f} µT", "")],
+        [(f"sample age {age}", "")],
+        [("flags ", "dim"), (f"0x{sensor.diagnosis:04X}", "green" if sound else "bold red")],
+        [(f"{count(sensor.bursts)} bursts", "")],
+    ]
+    trouble = sensor._asdict()
+    return flowing(told + [_bad(name.replace("_", " "), trouble[name]) for name in TROUBLE], width)
 
 
 def _with_sigma(value: float, sigma: float, decimals: int) -> str:

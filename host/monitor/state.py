@@ -16,6 +16,7 @@ from host.link.messages import (
     Innovation,
     Message,
     Satellites,
+    Sensor,
     Solution,
     Status,
     TaskFigures,
@@ -60,6 +61,8 @@ class BoardState:
     def __init__(self) -> None:
         self.solution: Solution | None = None
         self.gnss: Gnss | None = None
+        self.sensor: Sensor | None = None
+        """How the inertial sensor is, where a board tells."""
         self.status: Status | None = None
         self.bias: Bias | None = None
         self.innovation: Innovation | None = None
@@ -99,6 +102,9 @@ class BoardState:
             case Status():
                 self._note_time(message.time_us)
                 self.status = message
+            case Sensor():
+                self._note_time(message.time_us)
+                self.sensor = message
             case Gnss():
                 self._take_gnss(message)
             case Bias():

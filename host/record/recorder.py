@@ -131,6 +131,11 @@ class Recorder:
         """Counters that the board told, rows of `host.record.run_data.STATUS_COLUMNS`."""
         self._collector.data.status.add(rows)
 
+    def add_sensor(self, rows: Floats) -> None:
+        """How the inertial sensor is, rows of `host.record.tables.SENSOR`."""
+        if self.capture is not None:
+            self.capture.rows("/sensor", rows)
+
     def so_far(self, duration_s: float) -> Score:
         """The figures of what has been scored by now; the latest seconds still wait."""
         return self._scorer.so_far(duration_s)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from host.link.messages import Sensor
 from host.record.run_data import BiasEstimate, GnssBatch, Innovation, SolutionBatch
 
 Floats = NDArray[np.float64]
@@ -80,6 +81,9 @@ BIAS = _table(
     (6, " ".join(f"sigma_{name}" for name in SLOW_STATES)),
     (6, " ".join(f"true_{name}" for name in SLOW_STATES)),
 )
+
+SENSOR = _table((6, "t_s"), (0, " ".join(Sensor._fields[1:])))
+"""How the inertial sensor is, as a board's SENSOR frames tell it."""
 
 
 def solution_rows(solution: SolutionBatch, errors: Floats) -> Floats:

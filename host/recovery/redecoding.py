@@ -89,6 +89,10 @@ class MissingRows:
     def add_status(self, rows: Floats) -> None:
         """No topic of its own."""
 
+    def add_sensor(self, rows: Floats) -> None:
+        """The health of the inertial sensor."""
+        self._rows("/sensor", rows)
+
     def add_event(self, t_ns: int, source: str, text: str) -> None:
         """Something that the board said."""
         if self._said[t_ns, text]:

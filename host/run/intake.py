@@ -69,6 +69,10 @@ class Takes(Protocol):
         """Its counters."""
         ...
 
+    def add_sensor(self, rows: Floats) -> None:
+        """The health of its inertial sensor."""
+        ...
+
 
 class Truths(Protocol):
     """Who knows what was true: `host.sim.world`."""
@@ -144,6 +148,7 @@ class LinkIntake:
             )
         self._take_biases(_rows(frames.BIAS, payloads))
         self._take_status(_rows(frames.STATUS, payloads))
+        self._take_sensor(_rows(frames.SENSOR, payloads))
         for kind in SOLUTIONS:
             if payloads[kind]:
                 self._take_solutions(solution_rows(kind, payloads[kind]))
@@ -221,6 +226,11 @@ class LinkIntake:
         if rows:
             counters = np.array([[self._seconds(row[0]), *row[5:11]] for row in rows], dtype=np.float64)
             self._recorder.add_status(counters)
+
+    def _take_sensor(self, rows: list[tuple[float, ...]]) -> None:
+        if rows:
+            told = np.array([[self._seconds(row[0]), *row[1:]] for row in rows], dtype=np.float64)
+            self._recorder.add_sensor(told)
 
     def _body_biases(self, times_ns: NDArray[np.int64]) -> Floats:
         """True gyro and accelerometer biases in body axes, (n, 6); NaN where nobody knows them."""

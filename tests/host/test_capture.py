@@ -105,6 +105,7 @@ def test_the_ordinary_indexed_reader_opens_it_with_valid_json_schemas(tmp_path):
                 "/gnss",
                 "/innovation",
                 "/bias",
+                "/sensor",
                 "/clock",
                 "/event",
                 "/recorded",

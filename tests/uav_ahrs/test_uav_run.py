@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -9,12 +10,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mcap.reader import make_reader
+from typer.testing import CliRunner
 from uav_runs import fly
 
 from host.capture.blocks import SpiTransaction
 from host.capture.reader import CaptureReader
+from host.cli.main import app
 from host.link.decoder import LinkDecoder
 from host.link.messages import Sensor
+from host.monitor.health_panels import sensor_lines
 from host.replay.physical import replay_physical
 from host.replay.request import ReplayRequest
 from host.replay.strict import replay_strict
@@ -160,3 +165,24 @@ def test_health_of_the_sensor_is_told(folder: Path) -> None:
     assert len(ages) >= len(told) - 6
     assert ages.min() < 150
     assert 1050 < ages.max() <= 1222
+
+
+def test_health_of_the_sensor_is_a_topic_and_on_the_monitor(folder: Path) -> None:
+    """The decoded topic holds what the frames do, and the monitor shows the last of it."""
+    rows = []
+    with (folder / "run.mcap").open("rb") as file:
+        for _, channel, message in make_reader(file).iter_messages(topics=["/sensor"]):
+            assert channel.topic == "/sensor"
+            rows.append(json.loads(message.data))
+    assert len(rows) == pytest.approx(29, abs=1)
+    assert rows[-1]["supply_mv"] == pytest.approx(5000, abs=3)
+    assert rows[-1]["bursts"] == pytest.approx(250 * (rows[-1]["t_s"] - 0.6), rel=0.01)
+    shown = CliRunner().invoke(app, ["monitor", str(folder / "run.mcap"), "--json", "--speed", "0"])
+    assert shown.exit_code == 0
+    told = json.loads(shown.stdout.splitlines()[-1])["sensor"]
+    assert {name: told[name] for name in ("supply_mv", "bursts")} == {
+        name: rows[-1][name] for name in ("supply_mv", "bursts")
+    }
+    picture = "\n".join(line.plain for line in sensor_lines(Sensor(**told), 40))
+    assert "supply 5.00 V" in picture
+    assert "stale 0" in picture
