@@ -180,7 +180,7 @@ def test_position_passes_steps_of_acceleration_without_a_trace():
     ("motion", "words"),
     [
         (
-            {"segment": [{"kind": "reach-speed", "duration_s": 5.0, "to_mps": -2.0}]},
+            {"segment": [{"kind": "speed-change", "duration_s": 5.0, "by_mps": -2.0}]},
             r"segment\[1\]: brings the speed down to -2 m/s; a vehicle stops at 0, for example by",
         ),
         (
@@ -222,3 +222,22 @@ def test_a_rotary_table_may_turn_over_and_what_swings_may_swing_back(segment):
     data = {"place": {"latitude_deg": 30.0, "longitude_deg": 114.0}, "segment": [segment]}
     duration_ns = SimulatedVehicle(scenario_from(data, "t", "t"), 1).duration_ns
     assert duration_ns == segment["duration_s"] * SECOND
+
+
+def test_a_vehicle_backs_at_a_speed_that_is_named():
+    """From rest to −4 m/s over 4 s, on for 5 s, to rest over 4 s: 36 m back, as far as forwards."""
+    way = {}
+    for speed in (4.0, -4.0):
+        segments = [
+            {"kind": "rest", "duration_s": 2.0},
+            {"kind": "reach-speed", "duration_s": 4.0, "to_mps": speed},
+            {"kind": "cruise", "duration_s": 5.0},
+            {"kind": "reach-speed", "duration_s": 4.0, "to_mps": 0.0},
+            {"kind": "rest", "duration_s": 2.0},
+        ]
+        data = {"place": {"latitude_deg": 0.0, "longitude_deg": 114.0}, "segment": segments}
+        vehicle = SimulatedVehicle(scenario_from(data, "t", "t"), 1)
+        latitude = vehicle.truth(np.array([0, vehicle.duration_ns], np.int64)).latitude
+        way[speed] = (latitude[1] - latitude[0]) * 6_335_439.0
+    assert way[4.0] == pytest.approx(36.0, abs=1e-3)
+    assert way[-4.0] == pytest.approx(-36.0, abs=1e-3)

@@ -44,7 +44,7 @@ AngleRate = Annotated[float, Field(ge=-2000.0, le=2000.0)]
 
 class _Segment(SegmentTable):
     forwards_only: ClassVar[bool] = True
-    """Whether its speed must not fall below zero."""
+    """Whether a speed that falls below zero on its way is a mistake: a stop that was missed."""
 
     duration_s: Positive = Field(le=1e6, examples=[20.0])
     pitch_to_deg: Angle | None = Field(default=None, examples=[4.0])
@@ -128,8 +128,9 @@ class SpeedChange(_Segment):
 
 
 class ReachSpeed(_Segment):
-    """Reach a speed at the segment's end."""
+    """Reach a speed at the segment's end; a negative one backs."""
 
+    forwards_only: ClassVar[bool] = False  # the speed is named
     kind: Literal["reach-speed"]
     to_mps: float = Field(ge=-1000.0, le=1000.0, examples=[12.0])
 

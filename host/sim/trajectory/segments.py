@@ -124,7 +124,7 @@ def _append_segment(
     duration = segment.duration_s
     before = len(channels["speed"].pieces)
     speed = channels["speed"].integrate(start_ns, rates.acceleration, state.speed, duration)
-    if getattr(segment, "forwards_only", False):
+    if state.speed >= 0.0 and getattr(segment, "forwards_only", False):
         _refuse_backwards(channels["speed"].pieces[before:])
     after = MotionState(
         speed=speed if rates.end_speed is None else rates.end_speed,
@@ -146,7 +146,7 @@ def _refuse_backwards(pieces: list[Piece]) -> None:
     if lowest < -STANDSTILL_MPS:
         raise ValueError(
             f"brings the speed down to {lowest:.4g} m/s; a vehicle stops at 0, for example by"
-            ' { kind = "reach-speed", duration_s = 8.0, to_mps = 0.0 }'
+            ' { kind = "reach-speed", duration_s = 8.0, to_mps = 0.0 }, and backs with to_mps = -2.0'
         )
 
 
