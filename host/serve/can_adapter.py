@@ -86,11 +86,16 @@ class CanAdapter:
             return False
         return time.monotonic() - self._progress_s < self._terms.stall_s
 
+    def finish(self) -> None:
+        """Send what is left; nothing goes out any more. Harmless the second time."""
+        if self._threads[0].is_alive():
+            with contextlib.suppress(queue.Full):
+                self._out.put(None, timeout=1.0)
+            self._threads[0].join(2.0)
+
     def close(self) -> None:
         """Send what is left, and let the interface go."""
-        with contextlib.suppress(queue.Full):
-            self._out.put(None, timeout=1.0)
-        self._threads[0].join(2.0)
+        self.finish()
         self._ended.set()
         self._threads[1].join(2.0)
         with contextlib.suppress(*self._errors):

@@ -190,6 +190,8 @@ class Service:
         for line in self.uarts:
             if line.endpoint.backlog:
                 self._places.tell(f"UART {line.name}: a client that did not read misses the end")
+        for can in self.cans:
+            can.adapter.finish()
         self._note_what_was_said()
 
     def _note_what_was_said(self) -> None:
