@@ -4,9 +4,9 @@ A byte is a start bit (low), eight bits from the least significant on, and a sto
 to back form a run; bit k of a run that begins at t₀ begins at t₀ + ⌊k·10⁹/baud⌋. With a fault at work there
 may be a parity bit before the stop bit; a stop bit that was found low is drawn low for three quarters of it.
 
-A capture tells the rate of the line into the processor with every piece. Of the line out of it only the ends
-of pieces are known; its rate is taken to be that of the other direction, as far as something has come in by
-then, and the board's before. A piece that would begin before the end of the one before it was sent faster: at
+A capture tells the rate of the line into the processor with every piece, and since format 4 that of the line
+out of it. Of the latter an older one has only the ends of pieces; its rate is taken to be that of the other
+direction, as far as something has come in by then, and the board's before. A piece that would begin before the end of the one before it was sent faster: at
 the lowest known or usual rate at which it fits.
 """
 

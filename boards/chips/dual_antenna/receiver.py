@@ -119,7 +119,6 @@ class DualAntennaReceiver:
             return
         self._started_ns = self._time.now
         self._rates = dict(self._own_sentences)
-        self._count = 0
         self._line = bytearray()
         self._fixed_ns: int | None = None
         self._time.at(self._time.now + BOOT_NS, partial(self._come_up, self._session))

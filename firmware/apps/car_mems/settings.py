@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
+from firmware.apps.profile_keys import check_keys
+
 CHOICES: dict[str, tuple[Any, ...]] = {
     "acquisition": ("timer", "data-ready"),
     "strapdown": ("mean", "two-sample"),
@@ -54,18 +56,9 @@ class Settings:
     @classmethod
     def of(cls, profile: Mapping[str, Any]) -> Settings:
         """Settings from a profile table. Raises ValueError for what no program could mean."""
-        known = {field.name for field in fields(cls)}
-        for key, value in profile.items():
-            if key not in known:
-                keys = ", ".join(sorted(known))
-                raise ValueError(f"profile key {key!r} (value {value!r}) is unknown; known keys: {keys}")
-            if key in ANGLES_DEG:
-                _check_angle(key, value)
-                continue
-            allowed = CHOICES.get(key, (True, False))
-            if value not in allowed or isinstance(value, bool) != isinstance(allowed[0], bool):
-                choices = ", ".join(repr(choice) for choice in allowed)
-                raise ValueError(f"profile key {key} = {value!r} is not possible; choose one of {choices}")
+        check_keys(
+            profile, {field.name for field in fields(cls)}, dict.fromkeys(ANGLES_DEG, _check_angle), CHOICES
+        )
         settings = cls(**profile)
         settings._check_together()
         return settings
