@@ -6,8 +6,8 @@ may be a parity bit before the stop bit; a stop bit that was found low is drawn 
 
 A capture tells the rate of the line into the processor with every piece, and since format 4 that of the line
 out of it. Of the latter an older one has only the ends of pieces; its rate is taken to be that of the other
-direction, as far as something has come in by then, and the board's before. A piece that would begin before the end of the one before it was sent faster: at
-the lowest known or usual rate at which it fits.
+direction, as far as something has come in by then, and the board's before. A piece that would begin before
+the end of the one before it was sent faster: at the lowest known or usual rate at which it fits.
 """
 
 from __future__ import annotations
