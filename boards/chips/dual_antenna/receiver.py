@@ -10,17 +10,15 @@ receivers as far as a board needs them (docs/fidelity/dual_antenna.md):
 
 from __future__ import annotations
 
-from functools import partial
-
 from boards.chips.dual_antenna.sentences import SENTENCES, Report, attitude_of
-from boards.chips.neo_m8n.input_parser import DOLLAR
-from boards.chips.neo_m8n.transmitter import Transmitter
-from boards.chips.neo_m8n.utc import utc_from_gps
-from boards.chips.neo_m8n.wiring import TransmitLine
-from boards.chips.registers import AccessLog, AccessReport, ReportKind
+from boards.chips.receivers.receiver import Receiver, check_start_state
+from boards.chips.receivers.sentence_input import DOLLAR
+from boards.chips.receivers.transmitter import Transmitter
+from boards.chips.receivers.utc import utc_from_gps
+from boards.chips.registers import ReportKind
+from boards.chips.transmit_line import TransmitLine
 from boards.chips.world import GnssEpoch, GnssWorld
-from hal.emulated.pins import Net
-from hal.emulated.virtual_time import SECOND, Event, VirtualTime
+from hal.emulated.virtual_time import SECOND, VirtualTime
 
 BAUD_RATES = (4800, 9600, 19_200, 38_400, 57_600, 115_200, 230_400)
 RATES_HZ = (1, 2, 5, 10, 20)
@@ -34,7 +32,7 @@ LONGEST_LINE = 128
 ACCEPTED = b"$>\r\n"
 
 
-class DualAntennaReceiver:
+class DualAntennaReceiver(Receiver[Report]):
     """The receiver. `receive` is its RXD, `tx` the wire at TXD.
 
     `rate_hz`: epochs a second, 1, 2, 5, 10 or 20; `sentences`: which come with each, of `SENTENCES`; `baud`.
@@ -43,8 +41,7 @@ class DualAntennaReceiver:
     as UndocumentedAccessError. Without a baseline in its world it reports no attitude.
     """
 
-    feels = "gnss"
-    """The world that it asks."""
+    boot_ns = BOOT_NS
 
     def __init__(
         self,
@@ -61,109 +58,57 @@ class DualAntennaReceiver:
         strict: bool = False,
         name: str = "dual-antenna receiver",
     ) -> None:
+        check_start_state(name, start_state)
         for what, value, possible in (
             ("rate_hz", rate_hz, RATES_HZ),
             ("baud", baud, BAUD_RATES),
             ("antennas", antennas, ("along", "across")),
-            ("start_state", start_state, tuple(FIX_AFTER_NS)),
             *(("sentences", one, tuple(SENTENCES)) for one in sentences),
         ):
             if value not in possible:
                 raise ValueError(f"{name}: {what} = {value!r}; possible: {', '.join(map(str, possible))}")
-        self.name = name
-        self.pins: dict[str, Net | None] = {}
-        self.log = AccessLog(name, strict=strict)
-        self._time = time
-        self._world = world
-        self._transmitter = Transmitter(time, tx, BUFFER_BYTES)
+        super().__init__(time, world, Transmitter(time, tx, BUFFER_BYTES), name, strict=strict)
         self._own_baud = baud
         self._own_sentences = dict.fromkeys(sentences, rate_hz)
         self._rate_hz = rate_hz
         self._across = antennas == "across"
         self._state = start_state
-        self._powered = self._running = False
-        self._session = 0
-        self._next: Event | None = None
         if powered:
             self.power(True)
 
-    @property
-    def reports(self) -> list[AccessReport]:
-        """What the host said wrongly, and what it asked for that this model leaves out."""
-        return self.log.reports
+    # -- start -------------------------------------------------------------------------------------
 
-    @property
-    def baud(self) -> int:
-        """Bit rate of the port now, both directions."""
-        return self._transmitter.baud
-
-    @property
-    def messages_dropped(self) -> int:
-        """Sentences that found no room in the transmit buffer."""
-        return self._transmitter.dropped
-
-    # -- supply ------------------------------------------------------------------------------------
-
-    def power(self, on: bool) -> None:
-        """Switch the supply. Settings made by commands are lost with it."""
-        if on == self._powered:
-            return
-        self._powered = on
-        self._session += 1
-        if not on:
-            self._running = False
-            if self._next is not None:
-                self._next.cancel()
-                self._next = None
-            self._transmitter.stop()
-            return
-        self._started_ns = self._time.now
+    def _begin(self) -> None:
+        """Settings made by commands are lost with the supply."""
         self._rates = dict(self._own_sentences)
         self._line = bytearray()
         self._fixed_ns: int | None = None
-        self._time.at(self._time.now + BOOT_NS, partial(self._come_up, self._session))
 
-    def _come_up(self, session: int) -> None:
-        if session == self._session:
-            self._running = True
-            self._transmitter.start(self._own_baud)
-            self._next = self._time.at(self._next_epoch(self._world.epoch(self._time.now)), self._navigate)
+    def _start_port(self, epoch: GnssEpoch) -> None:
+        self._transmitter.start(self._own_baud)
 
     # -- navigation --------------------------------------------------------------------------------
 
-    def _next_epoch(self, epoch: GnssEpoch) -> int:
-        """Virtual time of the next instant on the grid of GPS time."""
+    def _epoch_after(self, epoch: GnssEpoch) -> int:
         period = SECOND // self._rate_hz
-        step = period - epoch.gps_time_ns % period
-        return self._time.now + (step if step >= period // 2 else step + period)
+        return self._on_grid(epoch.gps_time_ns, period, period // 2)
 
-    def _navigate(self) -> int:
-        """One epoch; returns when the next one is."""
-        now = self._time.now
-        epoch = self._world.epoch(now)
-        report = self._report(epoch, now)
-        second = (epoch.gps_time_ns + SECOND // (2 * self._rate_hz)) % SECOND // (SECOND // self._rate_hz)
-        self._time.at(now + max(0, epoch.latency_ns), partial(self._show, report, second, self._session))
-        return self._next_epoch(epoch)
-
-    def _report(self, epoch: GnssEpoch, now: int) -> Report:
-        fix = epoch.fix and now - self._started_ns >= FIX_AFTER_NS[self._state]
+    def _solve(self, epoch: GnssEpoch, now_ns: int) -> Report:
+        fix = epoch.fix and now_ns - self._started_ns >= FIX_AFTER_NS[self._state]
         if fix and self._fixed_ns is None:
-            self._fixed_ns = now
-        ready = self._fixed_ns is not None and now - self._fixed_ns >= HEADING_AFTER_NS
+            self._fixed_ns = now_ns
+        ready = self._fixed_ns is not None and now_ns - self._fixed_ns >= HEADING_AFTER_NS
         attitude = attitude_of(epoch.baseline, self._across) if fix and ready else None
         utc = utc_from_gps(epoch.gps_time_ns, epoch.leap_seconds)
         time_known = epoch.time_known and (fix or self._fixed_ns is not None)
-        return Report(utc, time_known, fix, epoch, attitude, epoch.satellites)
+        place = (epoch.gps_time_ns + SECOND // (2 * self._rate_hz)) % SECOND // (SECOND // self._rate_hz)
+        return Report(utc, time_known, fix, epoch, attitude, epoch.satellites, place)
 
-    def _show(self, report: Report, place: int, session: int) -> None:
-        """`place`: of the epoch within its second."""
-        if session != self._session or not self._running:
-            return
+    def _show(self, solution: Report) -> None:
         due = [
-            SENTENCES[name](report)
+            SENTENCES[name](solution)
             for name in SENTENCES
-            if (rate := self._rates.get(name, 0)) and place % (self._rate_hz // rate) == 0
+            if (rate := self._rates.get(name, 0)) and solution.place_in_second % (self._rate_hz // rate) == 0
         ]
         if due:
             self._transmitter.send(due)

@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from boards.chips.neo_m8n.fields import (
+from boards.chips.receivers.fields import (
     course,
     decimal,
     degrees,
@@ -20,7 +20,7 @@ from boards.chips.neo_m8n.fields import (
     sentence,
     two_figures,
 )
-from boards.chips.neo_m8n.utc import Utc
+from boards.chips.receivers.utc import Utc
 from boards.chips.world import BaselineSolution, GnssEpoch, Satellite
 
 KNOTS = 3600.0 / 1852.0
@@ -69,6 +69,8 @@ class Report:
     epoch: GnssEpoch
     attitude: Attitude | None
     satellites: tuple[Satellite, ...]
+    place_in_second: int
+    """Which of the epochs of its second it is."""
 
     @property
     def time(self) -> bytes:

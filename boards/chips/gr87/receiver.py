@@ -6,20 +6,19 @@ Fact sheet section 5; what is unconfirmed or a choice stands in docs/fidelity/gr
 from __future__ import annotations
 
 import math
-from functools import partial
 
 from boards.chips.gr87.binary import BinaryInput, switch_of
 from boards.chips.gr87.commands import BAUD_RATES, Order, order_of
 from boards.chips.gr87.sentences import SENTENCES, Picture
-from boards.chips.neo_m8n.fields import degrees, sentence
-from boards.chips.neo_m8n.input_parser import InputParser, NmeaInput
-from boards.chips.neo_m8n.transmitter import Transmitter
-from boards.chips.neo_m8n.utc import utc_from_gps
-from boards.chips.neo_m8n.wiring import TransmitLine
-from boards.chips.registers import AccessLog, AccessReport, ReportKind
+from boards.chips.receivers.fields import degrees, sentence
+from boards.chips.receivers.receiver import Receiver, check_start_state
+from boards.chips.receivers.sentence_input import SentenceInput
+from boards.chips.receivers.transmitter import Transmitter
+from boards.chips.receivers.utc import utc_from_gps
+from boards.chips.registers import ReportKind
+from boards.chips.transmit_line import TransmitLine
 from boards.chips.world import GnssEpoch, GnssWorld
-from hal.emulated.pins import Net
-from hal.emulated.virtual_time import SECOND, Event, VirtualTime
+from hal.emulated.virtual_time import SECOND, VirtualTime
 
 DEFAULT_BAUD = 4800
 DEFAULT_RATES = {0: 1, 1: 0, 2: 1, 3: 1, 4: 1, 5: 0, 8: 0}
@@ -32,11 +31,10 @@ BUFFER_BYTES = 2048
 LOWEST_COURSE_SPEED = 0.1
 UNSET_CLOCK_GPS_NS = 0
 """1980-01-06 00:00 at power-up, until the time is known."""
-START_STATES = ("cold", "warm", "hot")
 PROTOCOL_NMEA = 1
 
 
-class Gr87:
+class Gr87(Receiver[Picture]):
     """The receiver. `receive` is its RXD, `tx` the wire at TXD.
 
     `start_state`: what the first start finds, "cold", "warm" or "hot". `backup_supply`: keeps clock,
@@ -44,8 +42,7 @@ class Gr87:
     battery kept. `strict`: reports are raised as UndocumentedAccessError.
     """
 
-    feels = "gnss"
-    """The world that it asks."""
+    boot_ns = BOOT_NS
 
     def __init__(
         self,
@@ -60,60 +57,20 @@ class Gr87:
         strict: bool = False,
         name: str = "GR-87",
     ) -> None:
-        if start_state not in START_STATES:
-            raise ValueError(f"{name}: start_state {start_state!r} is unknown; use 'cold', 'warm' or 'hot'")
+        check_start_state(name, start_state)
         if baud not in BAUD_RATES:
             raise ValueError(f"{name}: baud = {baud}; possible: {', '.join(map(str, BAUD_RATES))}")
-        self.name = name
-        self.pins: dict[str, Net | None] = {}
-        self.log = AccessLog(name, strict=strict)
-        self._time = time
-        self._world = world
+        super().__init__(time, world, Transmitter(time, tx, BUFFER_BYTES), name, strict=strict)
         self._backup_supply = backup_supply
-        self._transmitter = Transmitter(time, tx, BUFFER_BYTES)
         self._state = start_state
-        self._baud = baud
         self._forget_settings(baud)
-        self._powered = self._running = False
-        self._session = 0
-        self._next: Event | None = None
-        self._off_since_ns: int | None = None
         self._fixed = False
         if powered:
             self.power(True)
 
-    @property
-    def reports(self) -> list[AccessReport]:
-        """What the host said wrongly, and what it asked for that this model leaves out."""
-        return self.log.reports
-
-    @property
-    def baud(self) -> int:
-        """Bit rate of the port now, both directions."""
-        return self._transmitter.baud
-
-    @property
-    def messages_dropped(self) -> int:
-        """Sentences that found no room in the transmit buffer."""
-        return self._transmitter.dropped
-
-    # -- supply and start --------------------------------------------------------------------------
-
-    def power(self, on: bool) -> None:
-        """Switch the supply."""
-        if on == self._powered:
-            return
-        self._powered = on
-        if not on:
-            self._halt()
-            self._off_since_ns = self._time.now
-            return
-        if self._off_since_ns is not None:
-            self._wake(self._time.now - self._off_since_ns)
-        self._boot()
+    # -- start -------------------------------------------------------------------------------------
 
     def _wake(self, off_ns: int) -> None:
-        """What is left after a pause of the supply."""
         if not self._backup_supply:
             self._forget_settings(DEFAULT_BAUD)
             self._state = "cold"
@@ -127,54 +84,29 @@ class Gr87:
         self._checked = dict.fromkeys(DEFAULT_RATES, True)
         self._development = False
 
-    def _boot(self) -> None:
-        self._session += 1
-        self._started_ns = self._time.now
+    def _begin(self) -> None:
         self._course_deg = 0.0
         self._count = 0
         self._fixed = False
-        self._shown: Picture | None = None
-        self._input, self._binary = InputParser(), BinaryInput()
-        self._time.at(self._time.now + BOOT_NS, partial(self._come_up, self._session))
+        self._shown = None
+        self._input, self._binary = SentenceInput(), BinaryInput()
 
-    def _come_up(self, session: int) -> None:
-        if session != self._session:
-            return
-        self._running = True
+    def _start_port(self, epoch: GnssEpoch) -> None:
         self._transmitter.start(self._baud)
-        self._next = self._time.at(self._second_after(self._world.epoch(self._time.now)), self._navigate)
-
-    def _halt(self) -> None:
-        self._session += 1
-        self._running = False
-        if self._next is not None:
-            self._next.cancel()
-            self._next = None
-        self._transmitter.stop()
 
     def _restart(self, state: str) -> None:
         if state == "factory":
             self._forget_settings(DEFAULT_BAUD)
         self._state = "cold" if state == "factory" else state
-        self._halt()
-        self._boot()
+        self._reset()
 
     # -- navigation --------------------------------------------------------------------------------
 
-    def _second_after(self, epoch: GnssEpoch) -> int:
-        """Virtual time of the next full second of GPS."""
-        step = SECOND - epoch.gps_time_ns % SECOND
-        return self._time.now + (step if step >= SECOND // 2 else step + SECOND)
+    def _epoch_after(self, epoch: GnssEpoch) -> int:
+        return self._on_grid(epoch.gps_time_ns, SECOND, SECOND // 2)
 
-    def _navigate(self) -> int:
-        """One epoch; returns when the next one is."""
-        epoch = self._world.epoch(self._time.now)
-        picture = self._picture(epoch)
-        self._time.at(self._time.now + max(0, epoch.latency_ns), partial(self._show, picture, self._session))
-        return self._second_after(epoch)
-
-    def _picture(self, epoch: GnssEpoch) -> Picture:
-        elapsed = self._time.now - self._started_ns
+    def _solve(self, epoch: GnssEpoch, now_ns: int) -> Picture:
+        elapsed = now_ns - self._started_ns
         satellites = tuple(one for one in epoch.satellites if one.system == "GPS")
         used = sum(one.used for one in satellites)
         fix = 1
@@ -189,14 +121,11 @@ class Gr87:
         utc = utc_from_gps(gps_ns, epoch.leap_seconds if told else 0)
         return Picture(utc, epoch, fix, self._course_deg, satellites)
 
-    def _show(self, picture: Picture, session: int) -> None:
-        if session != self._session or not self._running:
-            return
-        self._shown = picture
+    def _show(self, solution: Picture) -> None:
         self._count += 1
         if self._nmea:
             due = [number for number, rate in self._rates.items() if rate and self._count % rate == 0]
-            self._send(due, picture)
+            self._send(due, solution)
 
     def _send(self, messages: list[int], picture: Picture) -> None:
         lines = []
@@ -217,7 +146,7 @@ class Gr87:
                 self._obey_binary(payload)
             return
         for message in self._input.feed(data):
-            if isinstance(message, NmeaInput) and self._running:
+            if self._running:
                 self._obey(message.fields)
 
     def _obey(self, fields: tuple[str, ...]) -> None:

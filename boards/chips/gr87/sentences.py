@@ -11,8 +11,8 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from boards.chips.neo_m8n.fields import degrees, longitude_degrees, sentence
-from boards.chips.neo_m8n.utc import Utc
+from boards.chips.receivers.fields import degrees, longitude_degrees, sentence
+from boards.chips.receivers.utc import Utc
 from boards.chips.world import GnssEpoch, Satellite
 
 KNOTS = 3600.0 / 1852.0

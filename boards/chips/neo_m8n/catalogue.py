@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from boards.chips.neo_m8n import identity, ubx_nav, ubx_satellites
-from boards.chips.neo_m8n.fields import sentence
 from boards.chips.neo_m8n.nmea import NmeaSet
 from boards.chips.neo_m8n.pubx import pubx_00, pubx_03, pubx_04
 from boards.chips.neo_m8n.solution import Solution
+from boards.chips.receivers.fields import sentence
 
 BinaryMessage = Callable[[Solution], bytes]
 Sentences = Callable[[NmeaSet], list[bytes]]

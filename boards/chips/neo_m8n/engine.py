@@ -20,13 +20,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from boards.chips.neo_m8n.fields import degrees, longitude_degrees
 from boards.chips.neo_m8n.solution import FIX_2D, FIX_3D, NO_FIX, Solution
-from boards.chips.neo_m8n.utc import SECOND, WEEK_SECONDS, gps_week, utc_from_gps
+from boards.chips.receivers.fields import degrees, longitude_degrees
+from boards.chips.receivers.utc import SECOND, WEEK_SECONDS, gps_week, utc_from_gps
 from boards.chips.world import GnssEpoch, Satellite
 
 StartState = Literal["cold", "warm", "hot"]
-START_STATES: tuple[StartState, ...] = ("cold", "warm", "hot")
 
 LOWEST_COURSE_SPEED = 0.1
 LEAP_SECONDS_FROM_GPS_NS = 750 * SECOND

@@ -9,13 +9,11 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from boards.chips.neo_m8n.fields import xor_checksum
 from boards.chips.neo_m8n.ubx import SYNC, fletcher
+from boards.chips.receivers.sentence_input import DOLLAR, Sentence, sentence_at
 
 LONGEST_PAYLOAD = 1024
 """A frame that announces more is taken for garbage."""
-LONGEST_SENTENCE = 256
-DOLLAR = 0x24
 _HEADER = 6
 _CHECK = 2
 
@@ -28,12 +26,6 @@ class UbxInput(NamedTuple):
     payload: bytes
 
 
-class NmeaInput(NamedTuple):
-    """The comma fields of a sentence with a good checksum, the address first."""
-
-    fields: tuple[str, ...]
-
-
 class InputParser:
     """Bytes in, messages out."""
 
@@ -44,19 +36,19 @@ class InputParser:
         """Forget what is incomplete."""
         self._buffer.clear()
 
-    def feed(self, data: bytes) -> list[UbxInput | NmeaInput]:
+    def feed(self, data: bytes) -> list[UbxInput | Sentence]:
         """The messages that `data` completes."""
         buffer = self._buffer
         buffer += data
-        messages: list[UbxInput | NmeaInput] = []
+        messages: list[UbxInput | Sentence] = []
         position = 0
         while position < len(buffer):
             first = buffer[position]
-            message: UbxInput | NmeaInput | None
+            message: UbxInput | Sentence | None
             if first == SYNC[0]:
                 message, used = self._frame(position)
             elif first == DOLLAR:
-                message, used = self._sentence(position)
+                message, used = sentence_at(buffer, position)
             else:
                 position = _next_start(buffer, position + 1)
                 continue
@@ -86,33 +78,8 @@ class InputParser:
         payload = bytes(buffer[start + _HEADER : end])
         return UbxInput(buffer[start + 2], buffer[start + 3], payload), _HEADER + length + _CHECK
 
-    def _sentence(self, start: int) -> tuple[NmeaInput | None, int]:
-        """A sentence at `start` and its length, told as in `_frame`."""
-        buffer = self._buffer
-        for index in range(start + 1, min(len(buffer), start + LONGEST_SENTENCE)):
-            byte = buffer[index]
-            if byte in b"\r\n":
-                return _checked(bytes(buffer[start + 1 : index])), index + 1 - start
-            if byte == DOLLAR or not 0x20 <= byte < 0x7F:
-                return None, index - start
-        return None, 1 if len(buffer) - start >= LONGEST_SENTENCE else 0
-
 
 def _next_start(buffer: bytearray, position: int) -> int:
     """Where the next message may begin."""
     starts = [found for found in (buffer.find(SYNC[:1], position), buffer.find(b"$", position)) if found >= 0]
     return min(starts, default=len(buffer))
-
-
-def _checked(line: bytes) -> NmeaInput | None:
-    """The fields between "$" and "*" when the two hex digits after it are right."""
-    body, star, digits = line.rpartition(b"*")
-    if not star or len(digits) != 2 or not digits.isalnum():
-        return None
-    try:
-        wanted = int(digits, 16)
-    except ValueError:
-        return None
-    if wanted != xor_checksum(body):
-        return None
-    return NmeaInput(tuple(body.decode("ascii").split(",")))

@@ -12,10 +12,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import cached_property
 
-from boards.chips.neo_m8n.fields import course, decimal, dilution, position, two_figures
 from boards.chips.neo_m8n.satellites import Sky
 from boards.chips.neo_m8n.solution import Solution
 from boards.chips.neo_m8n.style import VERSION_2_3, VERSION_4_1, NmeaStyle
+from boards.chips.receivers.fields import course, decimal, dilution, position, two_figures
 
 KNOTS = 3600.0 / 1852.0
 KILOMETRES_PER_HOUR = 3.6

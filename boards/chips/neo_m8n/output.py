@@ -9,16 +9,16 @@ from __future__ import annotations
 from boards.chips.neo_m8n import settings as cfg
 from boards.chips.neo_m8n.catalogue import BINARY, SENTENCES, BinaryMessage, Sentences
 from boards.chips.neo_m8n.configure_systems import style_of
-from boards.chips.neo_m8n.fields import sentence
 from boards.chips.neo_m8n.identity import START_UP_TEXTS
 from boards.chips.neo_m8n.nmea import TXT_ERROR, TXT_NOTICE, NmeaSet, txt
 from boards.chips.neo_m8n.satellites import PrintedSkies
 from boards.chips.neo_m8n.settings import Settings
 from boards.chips.neo_m8n.solution import Solution
 from boards.chips.neo_m8n.style import NmeaStyle
-from boards.chips.neo_m8n.transmitter import Transmitter
 from boards.chips.neo_m8n.ubx import CLASS_INF, frame
-from boards.chips.neo_m8n.wiring import TransmitLine
+from boards.chips.receivers.fields import sentence
+from boards.chips.receivers.transmitter import Transmitter
+from boards.chips.transmit_line import TransmitLine
 from hal.emulated.virtual_time import VirtualTime
 
 PROTOCOL_UBX, PROTOCOL_NMEA = 1, 2

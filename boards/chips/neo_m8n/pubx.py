@@ -8,10 +8,10 @@ first one); time fields stay empty until the time is known.
 
 from __future__ import annotations
 
-from boards.chips.neo_m8n.fields import course, decimal, degrees, dilution, position, two_figures
 from boards.chips.neo_m8n.nmea import KILOMETRES_PER_HOUR, NmeaSet
 from boards.chips.neo_m8n.solution import FIX_2D, Solution
-from boards.chips.neo_m8n.utc import DAY_SECONDS, WEEK_SECONDS
+from boards.chips.receivers.fields import course, decimal, degrees, dilution, position, two_figures
+from boards.chips.receivers.utc import DAY_SECONDS, WEEK_SECONDS
 from boards.chips.world import Satellite
 
 NO_FIX_H_ACC = 5_303_302

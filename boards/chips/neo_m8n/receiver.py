@@ -1,8 +1,7 @@
 """The NEO-M8N as one object: supply, start-up, navigation epochs, commands.
 
-Time line of a start: the supply comes, the port is up `BOOT_NS` later and prints the start-up texts, then
-one set of messages per navigation epoch. Epochs lie on multiples of the navigation period in GPS (or UTC)
-time; at each the world is asked for the epoch valid now, and its output starts `latency_ns` later.
+At a start the port prints the start-up texts, then comes one set of messages per navigation epoch. Epochs lie
+on multiples of the navigation period in GPS (or UTC) time.
 
 What is modelled, what is not, and the choices made stand in docs/fidelity/neo_m8n.md.
 """
@@ -25,21 +24,22 @@ from boards.chips.neo_m8n.configure import (
     Restart,
 )
 from boards.chips.neo_m8n.configure_systems import fix_mode
-from boards.chips.neo_m8n.engine import START_STATES, Engine, StartState
-from boards.chips.neo_m8n.input_parser import InputParser, NmeaInput, UbxInput
+from boards.chips.neo_m8n.engine import Engine, StartState
+from boards.chips.neo_m8n.input_parser import InputParser, UbxInput
 from boards.chips.neo_m8n.nmea import TXT_WARNING
 from boards.chips.neo_m8n.output import PROTOCOL_NMEA, PROTOCOL_UBX, Output
 from boards.chips.neo_m8n.settings import Settings
 from boards.chips.neo_m8n.solution import Solution
 from boards.chips.neo_m8n.timepulse import TimePulse
-from boards.chips.neo_m8n.transmitter import BUFFER_BYTES
 from boards.chips.neo_m8n.ubx import CLASS_CFG, acknowledge
-from boards.chips.neo_m8n.utc import SECOND
-from boards.chips.neo_m8n.wiring import TransmitLine
-from boards.chips.registers import AccessLog, AccessReport, ReportKind
+from boards.chips.receivers.receiver import Receiver, check_start_state
+from boards.chips.receivers.sentence_input import Sentence
+from boards.chips.receivers.transmitter import BUFFER_BYTES
+from boards.chips.receivers.utc import SECOND
+from boards.chips.registers import ReportKind
+from boards.chips.transmit_line import TransmitLine
 from boards.chips.world import GnssEpoch, GnssWorld
-from hal.emulated.pins import Net
-from hal.emulated.virtual_time import Event, VirtualTime
+from hal.emulated.virtual_time import VirtualTime
 
 BOOT_NS = 250_000_000
 """From the supply (or a reset) to the first text; a choice, the fact sheet has no figure."""
@@ -50,7 +50,7 @@ DEFAULT_LEAP_SECONDS = 18
 TIME_REFERENCE_UTC = 0
 
 
-class NeoM8n:
+class NeoM8n(Receiver[Solution]):
     """The receiver. `receive` is its RXD pin, `tx` the wire at TXD, `pins["TIMEPULSE"]` an output net.
 
     `start_state` is what the first start finds ("cold", "warm", "hot"). Later starts follow from how long
@@ -58,8 +58,7 @@ class NeoM8n:
     only are lost. `powered=False` leaves the supply off until `power(True)`.
     """
 
-    feels = "gnss"
-    """The world that it asks."""
+    boot_ns = BOOT_NS
 
     def __init__(
         self,
@@ -74,62 +73,21 @@ class NeoM8n:
         tx_buffer_bytes: int = BUFFER_BYTES,
         strict: bool = False,
     ) -> None:
-        if start_state not in START_STATES:
-            raise ValueError(f"NEO-M8N: start_state {start_state!r} is unknown; use 'cold', 'warm' or 'hot'")
-        self.pins: dict[str, Net | None] = {"TIMEPULSE": None}
-        self.log = AccessLog("NEO-M8N", strict=strict)
-        self._time = time
-        self._world = world
+        check_start_state("NEO-M8N", start_state)
+        self._settings = Settings()
+        self._output = Output(time, tx, self._settings, tx_buffer_bytes)
+        super().__init__(time, world, self._output.transmitter, "NEO-M8N", strict=strict)
+        self.pins["TIMEPULSE"] = None
         self._next_state: StartState = start_state
         self._backup_supply = backup_supply
-        self._settings = Settings()
         self._configurator = Configurator(self._settings, self._report)
-        self._output = Output(time, tx, self._settings, tx_buffer_bytes)
         self._engine = Engine(default_leap_seconds)
         self._pulse = TimePulse(time)
         self._input = InputParser()
-        self._powered = False
-        self._running = False
-        self._session = 0
-        self._off_since_ns: int | None = None
-        self._next_epoch: Event | None = None
         self._period_ns = SECOND
         self._utc_grid = False
-        self._shown: Solution | None = None
         if powered:
             self.power(True)
-
-    @property
-    def reports(self) -> list[AccessReport]:
-        """What the host asked for that this model leaves out, and what it said wrongly."""
-        return self.log.reports
-
-    @property
-    def baud(self) -> int:
-        """Bit rate of the port now, both directions; 0 before the first start."""
-        return self._output.transmitter.baud
-
-    @property
-    def messages_dropped(self) -> int:
-        """Messages that found no room in the transmit buffer."""
-        return self._output.transmitter.dropped
-
-    def power(self, on: bool) -> None:
-        """Switch the supply."""
-        if on == self._powered:
-            return
-        self._powered = on
-        if not on:
-            self._halt()
-            self._off_since_ns = self._time.now
-            return
-        if self._off_since_ns is not None and self._shown is not None:
-            if self._backup_supply:
-                self._next_state = self._engine.restart_state(self._time.now - self._off_since_ns)
-            else:
-                self._settings.lose_battery()
-                self._next_state = "cold"
-        self._boot()
 
     def receive(self, data: bytes, time_ns: int) -> None:
         """Bytes from the host, complete at `time_ns`."""
@@ -144,33 +102,29 @@ class NeoM8n:
             if not self._running:
                 return
 
-    def _boot(self) -> None:
-        """Reset: settings from memory, then the port after the boot time."""
-        self._session += 1
+    def _wake(self, off_ns: int) -> None:
+        if self._shown is None:
+            return
+        if self._backup_supply:
+            self._next_state = self._engine.restart_state(off_ns)
+        else:
+            self._settings.lose_battery()
+            self._next_state = "cold"
+
+    def _begin(self) -> None:
+        """Settings from memory."""
         self._settings.load(sum(cfg.SECTIONS))
         self._engine.start(self._time.now, self._next_state)
-        self._time.at(self._time.now + BOOT_NS, partial(self._come_up, self._session))
 
-    def _come_up(self, session: int) -> None:
-        if session != self._session:
-            return
-        self._running = True
+    def _start_port(self, epoch: GnssEpoch) -> None:
         self._input.reset()
         self._output.start()
         self._adopt()
-        epoch = self._world.epoch(self._time.now)
         self._shown = self._engine.solve(epoch, self._time.now)
-        self._next_epoch = self._time.at(self._epoch_after(epoch), self._navigate)
 
     def _halt(self) -> None:
-        """Supply or reset: everything under way is lost."""
-        self._session += 1
-        self._running = False
-        if self._next_epoch is not None:
-            self._next_epoch.cancel()
-            self._next_epoch = None
         self._pulse.stop()
-        self._output.transmitter.stop()
+        super()._halt()
 
     def _adopt(self) -> None:
         """Bring the settings into force that act on navigation and time pulse."""
@@ -185,32 +139,19 @@ class NeoM8n:
         self._utc_grid = reference == TIME_REFERENCE_UTC
 
     def _epoch_after(self, epoch: GnssEpoch) -> int:
-        """Virtual time of the next instant on the grid; `epoch` tells what time it is now."""
         leap_ns = epoch.leap_seconds * SECOND if self._utc_grid else 0
-        step = self._period_ns - (epoch.gps_time_ns - leap_ns) % self._period_ns
-        if step < SHORTEST_PERIOD_SINGLE_MS * 500_000:
-            step += self._period_ns
-        return self._time.now + step
+        nearest_ns = SHORTEST_PERIOD_SINGLE_MS * 500_000
+        return self._on_grid(epoch.gps_time_ns - leap_ns, self._period_ns, nearest_ns)
 
-    def _navigate(self) -> int:
-        """One navigation epoch; returns when the next one is."""
-        now = self._time.now
-        epoch = self._world.epoch(now)
-        solution = self._engine.solve(epoch, now)
+    def _solve(self, epoch: GnssEpoch, now_ns: int) -> Solution:
+        solution = self._engine.solve(epoch, now_ns)
         self._engine.latest = solution
         self._pulse.net = self.pins["TIMEPULSE"]
         self._pulse.follow(epoch.gps_time_ns, epoch.leap_seconds, solution.fix > 0)
-        if epoch.latency_ns > 0:
-            self._time.at(now + epoch.latency_ns, partial(self._show, solution, self._session))
-        else:
-            self._show(solution, self._session)
-        return self._epoch_after(epoch)
+        return solution
 
-    def _show(self, solution: Solution, session: int) -> None:
-        """Start the output of an epoch."""
-        if session == self._session:
-            self._shown = solution
-            self._output.epoch(solution)
+    def _show(self, solution: Solution) -> None:
+        self._output.epoch(solution)
 
     def _ubx(self, message: UbxInput) -> None:
         key = message.message_class << 8 | message.message_id
@@ -250,16 +191,15 @@ class NeoM8n:
         elif restart.mode in (GNSS_ONLY, GNSS_START):
             self._engine.start(self._time.now, restart.state)
         elif restart.mode == HARDWARE_NOW:
-            self._reset(restart.state)
+            self._reset_to(restart.state)
         else:
-            self._output.transmitter.when_idle(partial(self._reset, restart.state))
+            self._output.transmitter.when_idle(partial(self._reset_to, restart.state))
 
-    def _reset(self, state: StartState) -> None:
+    def _reset_to(self, state: StartState) -> None:
         self._next_state = state
-        self._halt()
-        self._boot()
+        self._reset()
 
-    def _nmea(self, message: NmeaInput) -> None:
+    def _nmea(self, message: Sentence) -> None:
         outcome = obey(message.fields, self._settings)
         if outcome.problem is not None:
             self._report(ReportKind.PROTOCOL, message.fields[0], outcome.problem)
@@ -275,6 +215,3 @@ class NeoM8n:
     def _poll(self, message: int) -> None:
         if self._shown is not None:
             self._output.poll(message, self._shown)
-
-    def _report(self, kind: ReportKind, what: str, detail: str) -> None:
-        self.log.report(kind, what, detail, self._time.now)

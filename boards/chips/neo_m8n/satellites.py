@@ -13,9 +13,9 @@ from __future__ import annotations
 import math
 from functools import cached_property
 
-from boards.chips.neo_m8n.fields import dilution, sentence
 from boards.chips.neo_m8n.solution import Solution
 from boards.chips.neo_m8n.style import SYSTEM_ID, VERSION_4_1, NmeaStyle
+from boards.chips.receivers.fields import dilution, sentence
 
 GSA_SLOTS = 12
 GSV_BLOCKS = 4

@@ -6,7 +6,7 @@ only once it is known, the course frozen at low speed, only the satellite system
 
 from __future__ import annotations
 
-from boards.chips.neo_m8n.utc import Utc
+from boards.chips.receivers.utc import Utc
 from boards.chips.world import GnssEpoch, Satellite
 
 NO_FIX = 0

@@ -13,7 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from struct import Struct
 
-from boards.chips.neo_m8n.utc import SECOND
+from boards.chips.receivers.utc import SECOND
 from hal.emulated.pins import Net
 from hal.emulated.virtual_time import Event, VirtualTime
 

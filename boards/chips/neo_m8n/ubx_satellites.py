@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from struct import Struct
 
-from boards.chips.neo_m8n.fields import degrees
 from boards.chips.neo_m8n.pubx import flat_number
 from boards.chips.neo_m8n.solution import Solution
 from boards.chips.neo_m8n.ubx import CLASS_NAV, frame
+from boards.chips.receivers.fields import degrees
 from boards.chips.world import Satellite
 
 _SVINFO_HEAD = Struct("<IBBH")

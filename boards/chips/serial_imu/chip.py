@@ -11,10 +11,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from boards.chips.neo_m8n.wiring import TransmitLine
 from boards.chips.oscillator import Oscillator
 from boards.chips.registers import AccessLog, AccessReport, ReportKind
 from boards.chips.serial_imu import frames
+from boards.chips.transmit_line import TransmitLine
 from boards.chips.world import ImuWorld
 from hal.emulated.pins import Net
 from hal.emulated.virtual_time import SECOND, Event, VirtualTime

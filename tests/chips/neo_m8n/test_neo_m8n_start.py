@@ -230,7 +230,7 @@ def test_unpowered_from_the_beginning() -> None:
 
 def test_unknown_start_state_is_refused_with_an_example() -> None:
     rig = Rig()
-    with pytest.raises(ValueError, match=r"start_state 'tepid' is unknown; use 'cold', 'warm' or 'hot'"):
+    with pytest.raises(ValueError, match=r"start_state = 'tepid'; possible: 'cold', 'warm', 'hot'"):
         NeoM8n(rig.time, rig.world, rig.wire, start_state="tepid")  # type: ignore[arg-type]
 
 

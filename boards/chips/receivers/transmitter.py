@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from boards.chips.neo_m8n.utc import SECOND
-from boards.chips.neo_m8n.wiring import TransmitLine
+from boards.chips.receivers.utc import SECOND
+from boards.chips.transmit_line import TransmitLine
 from hal.emulated.virtual_time import Event, VirtualTime
 
 BUFFER_BYTES = 2048

@@ -1,0 +1,1 @@
+"""What receivers have in common: supply and start, the serial port, sentences in and out, UTC."""
