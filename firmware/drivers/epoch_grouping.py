@@ -22,6 +22,7 @@ from firmware.drivers.gnss_epoch import (
     FIX_TYPE,
     FLAGS,
     HAS_ATTITUDE_ACCURACY,
+    HAS_BASELINE,
     HAS_DATE,
     HAS_HEADING,
     HAS_HEIGHT,
@@ -64,7 +65,7 @@ SAME_EPOCH_MS: Final = 10
 NO_TIME: Final = -1
 DAY_MS: Final = 86_400_000
 POSITION_MESSAGES: Final = 1 << GGA | 1 << RMC | 1 << GLL | 1 << GNS | 1 << PUBX_00 | 1 << NAV_PVT
-ATTITUDE: Final = HAS_HEADING | HAS_PITCH | HAS_ROLL | HAS_ATTITUDE_ACCURACY
+ATTITUDE: Final = HAS_HEADING | HAS_PITCH | HAS_ROLL | HAS_ATTITUDE_ACCURACY | HAS_BASELINE
 WITHOUT_FIX: Final = HAS_TIME | HAS_DATE | ATTITUDE
 """What is left of an epoch when one of its messages said that the fix is not valid."""
 

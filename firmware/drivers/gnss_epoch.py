@@ -62,7 +62,9 @@ PITCH_SIGMA_E5DEG = 29
 ROLL_SIGMA_E5DEG = 30
 """One sigma as the receiver claims it, each 0 when it does not (HAS_ATTITUDE_ACCURACY: it claims the
 heading's)."""
-RECORD_SIZE = 31
+BASELINE_MM = 31
+"""Between the antennas, as this epoch measured it (HAS_BASELINE): a wrong length tells wrong ambiguities."""
+RECORD_SIZE = 32
 ONE_ANTENNA_SIZE = 26
 """What a receiver with one antenna can tell stands before this."""
 
@@ -80,6 +82,7 @@ HAS_HEADING = 512
 HAS_PITCH = 1024
 HAS_ROLL = 2048
 HAS_ATTITUDE_ACCURACY = 4096
+HAS_BASELINE = 8192
 
 
 def new_epoch() -> NDArray[np.int64]:
@@ -92,7 +95,7 @@ FIELD_NAMES = (
     "speed_mmps", "course_e5deg", "vel_n_mmps", "vel_e_mmps", "vel_d_mmps", "fix_quality", "satellites",
     "hdop_centi", "vdop_centi", "h_acc_mm", "v_acc_mm", "s_acc_mmps", "leap_seconds", "burst_start_ns",
     "burst_end_ns", "valid_ns", "pdop_centi", "fix_type", "heading_e5deg", "pitch_e5deg", "roll_e5deg",
-    "heading_sigma_e5deg", "pitch_sigma_e5deg", "roll_sigma_e5deg",
+    "heading_sigma_e5deg", "pitch_sigma_e5deg", "roll_sigma_e5deg", "baseline_mm",
 )  # fmt: skip
 """In the order of the record, for people and logs."""
 
