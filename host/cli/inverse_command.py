@@ -47,6 +47,12 @@ def inverse_command(
     antenna: Annotated[
         str, typer.Option("--antenna", metavar="X,Y,Z", help="Of the receiver: forward, right, down, m.")
     ] = "0,0,0",
+    imu_at: Annotated[
+        str, typer.Option("--imu-at", metavar="X,Y,Z", help="Of the inertial sensor, from the points on, m.")
+    ] = "0,0,0",
+    mounting: Annotated[
+        str, typer.Option("--mounting", metavar="YAW,PITCH,ROLL", help="Of its axes in the body, °.")
+    ] = "0,0,0",
     preset: Annotated[
         str, typer.Option("--preset", "-p", metavar="NAME", help="Errors of the inertial sensor.")
     ] = "perfect",
@@ -70,10 +76,11 @@ def inverse_command(
     """
 
     def command() -> int:
-        from host.cli.inverse_run import Asked, Errors, execute
+        from host.cli.inverse_run import Asked, Errors, Sensors, execute
 
-        errors = Errors(preset, tuple(changes or ()), seed, gnss_rate, antenna)
-        asked = Asked(trajectory, output, form, rate, samples, smooth, bank, speed, max_gap, errors)
+        errors = Errors(preset, tuple(changes or ()), seed)
+        sensors = Sensors(gnss_rate, antenna, imu_at, mounting, errors)
+        asked = Asked(trajectory, output, form, rate, samples, smooth, bank, speed, max_gap, sensors)
         return execute(asked, json, quiet)
 
     guarded(command, NOTHING_KEPT)

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from boards.hints import did_you_mean
 from host.cli.exit_codes import EXIT_MET
 from host.cli.output_files import check_files
-from host.cli.simulate_run import SLOWEST_HZ, convention_of, lever_of, rate_of
+from host.cli.simulate_run import SLOWEST_HZ, convention_of, lever_of, mounting_of, rate_of
 from host.cli.terminal import progress_bar, standard_error, standard_output
 from host.record.atomic import write_whole
 from host.record.errors import UserError
@@ -24,6 +24,7 @@ from host.sim.scenario.schema import Scenario, Start
 from host.sim.seeding import LARGEST_SEED
 from host.simulate.extras import must_have
 from host.simulate.formats.known import chosen
+from host.simulate.places import Places
 from host.simulate.stream import Convention
 from host.simulate.tracks.known import read_track
 from host.simulate.tracks.track import Track
@@ -42,13 +43,11 @@ ERROR_TABLES = ("imu", "gnss", "outage")
 
 @dataclass(frozen=True, slots=True)
 class Errors:
-    """Those words that are about sensors."""
+    """Those words that are about errors of sensors."""
 
     preset: str
     changes: tuple[str, ...]
     seed: int
-    gnss_rate: str
-    antenna: str
 
     def scenario(self) -> Scenario:
         """What they say, as a scenario says it. Raises UserError, ScenarioError."""
@@ -70,6 +69,23 @@ class Errors:
 
 
 @dataclass(frozen=True, slots=True)
+class Sensors:
+    """Those words that are about sensors."""
+
+    gnss_rate: str
+    antenna: str
+    imu_at: str
+    mounting: str
+    errors: Errors
+
+    def places(self) -> Places:
+        """Where they sit. Raises UserError."""
+        return Places(
+            lever_of("--antenna", self.antenna), lever_of("--imu-at", self.imu_at), mounting_of(self.mounting)
+        )
+
+
+@dataclass(frozen=True, slots=True)
 class Asked:
     """The words of the command line."""
 
@@ -82,7 +98,7 @@ class Asked:
     bank: bool
     speed: str | None
     max_gap: str
-    errors: Errors
+    sensors: Sensors
 
 
 def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
@@ -98,9 +114,9 @@ def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
     rate = rate_of("--rate", asked.rate, SLOWEST_HZ)
     gap = _number("--max-gap", asked.max_gap, LONGEST_GAP_S, "30")
     speed = None if asked.speed is None else _number("--speed", asked.speed, FASTEST_MPS, "10")
-    scenario = asked.errors.scenario()
-    gnss_rate = rate_of("--gnss-rate", asked.errors.gnss_rate, least=Fraction(0))
-    antenna = lever_of("--antenna", asked.errors.antenna)
+    scenario = asked.sensors.errors.scenario()
+    gnss_rate = rate_of("--gnss-rate", asked.sensors.gnss_rate, least=Fraction(0))
+    places = asked.sensors.places()
     check_files(("-o", asked.output), ("--json", json_file), read=asked.trajectory)
     must_have("scipy", "navtwin inverse")
     from host.simulate.flyable import Flyable
@@ -111,7 +127,7 @@ def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
     sigma = _sigma(asked, track)
     motion = Flyable(track, sigma, asked.bank)
     start_ns = track.start_gps_ns if track.start_gps_ns is not None else Start().gps_time_ns
-    sensors = TrackSensors(scenario, asked.errors.seed, motion, start_ns, antenna)
+    sensors = TrackSensors(scenario, asked.sensors.errors.seed, motion, start_ns, places)
     inverse = Inverse(motion, rate, convention, start_ns, sensors, gnss_rate)
     if inverse.samples < 2:
         raise UserError(
@@ -144,6 +160,7 @@ def _number(option: str, text: str, largest: float, example: str, zero: bool = F
 def _about(asked: Asked, track: Track, sigma: float, inverse: Inverse) -> dict[str, Any]:
     """What made the files; it repeats with them."""
     offsets = inverse.motion.offsets()
+    errors, places = asked.sensors.errors, inverse.sensors.places
     return {
         "format": RESULT_FORMAT,
         "trajectory": asked.trajectory.name,
@@ -153,12 +170,14 @@ def _about(asked: Asked, track: Track, sigma: float, inverse: Inverse) -> dict[s
         "columns_unused": list(track.unused),
         "samples_are": str(inverse.convention),
         "rate_hz": float(inverse.rate_hz),
-        "preset": asked.errors.preset,
-        "overrides": list(asked.errors.changes),
-        "seed": asked.errors.seed,
+        "preset": errors.preset,
+        "overrides": list(errors.changes),
+        "seed": errors.seed,
         "gnss_rate_hz": float(inverse.gnss_rate_hz),
         "gnss_epochs": inverse.epochs,
-        "antenna_m": list(lever_of("--antenna", asked.errors.antenna)),
+        "antenna_m": list(places.antenna_m),
+        "imu_at_m": list(places.sensor_m),
+        "mounting_deg": [math.degrees(angle) for angle in places.mounting_rad],
         "samples": inverse.samples,
         "duration_s": inverse.duration_ns / 1e9,
         "points_rms_m": float(math.sqrt((offsets**2).mean())),

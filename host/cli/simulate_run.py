@@ -119,7 +119,7 @@ def _request(asked: Asked, form: Format | None) -> Request:
         convention=convention_of(asked.samples, form),
         antenna_m=lever_of("--antenna", asked.places.antenna),
         sensor_m=lever_of("--imu-at", asked.places.sensor),
-        mounting_rad=_mounting(asked.places.mounting),
+        mounting_rad=mounting_of(asked.places.mounting),
         second_antenna_m=None if second is None else lever_of("--second-antenna", second),
         magnetometer_hz=magnetometer_hz,
         barometer_hz=barometer_hz,
@@ -165,7 +165,8 @@ def lever_of(option: str, text: str) -> tuple[float, float, float]:
     return x, y, z
 
 
-def _mounting(text: str) -> tuple[float, float, float]:
+def mounting_of(text: str) -> tuple[float, float, float]:
+    """Yaw, pitch, roll in rad. Raises UserError."""
     example = "must be yaw, pitch, roll in °, within ±360, 90, 180; e.g. --mounting 90,0,180"
     try:
         angles = [float(part) for part in text.split(",")]

@@ -31,3 +31,17 @@ def matrices(q: Floats) -> Floats:
             *(2.0 * (b * d - a * c), 2.0 * (c * d + a * b), a * a - b * b - c * c + d * d),
         )
     )
+
+
+def product(p: Floats, q: Floats) -> Floats:
+    """p ⊗ q of quaternions (n, 4)."""
+    a, b, c, d = p.T
+    w, x, y, z = q.T
+    return np.column_stack(
+        (
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y - b * z + c * w + d * x,
+            a * z + b * y - c * x + d * w,
+        )
+    )

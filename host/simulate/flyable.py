@@ -58,6 +58,7 @@ class Flyable:
         if track.velocity is not None and sigma_m == 0.0:
             self._velocity = [_spline(t, v, 0.0) for v in track.velocity.T]
         self._angles = self._given_angles() if track.attitude is not None else self._angles_of_motion(bank)
+        self._angle_rates = [_rate(angle) for angle in self._angles]
 
     def offsets(self) -> Floats:
         """How far the motion passes from each point, m (n,)."""
@@ -71,13 +72,26 @@ class Flyable:
         place = (self._origin[0] + north * self._per_north, self._origin[1] + east * self._per_east, height)
         return np.column_stack((*place, self._velocities(t_s), *(angle(t_s) for angle in self._angles)))
 
+    def turning(self, t_s: Floats) -> Floats:
+        """ω_nb in body axes (n, 3)."""
+        _, pitch, roll = (angle(t_s) for angle in self._angles)
+        yaw_rate, pitch_rate, roll_rate = (rate(t_s) for rate in self._angle_rates)
+        level = yaw_rate * np.cos(pitch)
+        return np.column_stack(
+            (
+                roll_rate - yaw_rate * np.sin(pitch),
+                pitch_rate * np.cos(roll) + level * np.sin(roll),
+                level * np.cos(roll) - pitch_rate * np.sin(roll),
+            )
+        )
+
     def _velocities(self, t_s: Floats) -> Floats:
         if self._velocity is not None:
             return np.column_stack([spline(t_s) for spline in self._velocity])
         north, east, up = (slope(t_s) for slope in self._slope)
         latitude = self._origin[0] + self._place[0](t_s) * self._per_north
         height = self._place[2](t_s)
-        m_here, e_here = _metres_per_radian(latitude, height)
+        m_here, e_here = metres_per_radian(latitude, height)
         return np.column_stack((north * self._per_north * m_here, east * self._per_east * e_here, -up))
 
     def _given_angles(self) -> list[Callable[[Floats], Floats]]:
@@ -117,6 +131,11 @@ def _led(t: Floats, angle: Floats, end_s: float) -> Callable[[Floats], Floats]:
     return led
 
 
+def _rate(angle: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
+    """The derivative; what is no spline is constant."""
+    return angle.derivative() if isinstance(angle, BSpline | PchipInterpolator) else _constant
+
+
 def _spline(t: Floats, y: Floats, sigma: float) -> BSpline:
     if sigma == 0.0:
         return make_interp_spline(t, y, k=min(5, (len(t) - 1) // 2 * 2 + 1 if len(t) < 6 else 5))
@@ -142,7 +161,8 @@ def _residual(spline: BSpline, t: Floats, y: Floats) -> float:
     return float(np.sqrt(np.mean((spline(t) - y) ** 2)))
 
 
-def _metres_per_radian(latitude: Floats, height: Floats) -> tuple[Floats, Floats]:
+def metres_per_radian(latitude: Floats, height: Floats) -> tuple[Floats, Floats]:
+    """M + h, and the radius of the parallel."""
     sin = np.sin(latitude)
     w2 = 1.0 - E2 * sin * sin
     n = SEMI_MAJOR / np.sqrt(w2)

@@ -32,7 +32,8 @@ from host.sim.mechanization import (
     invert,
 )
 from host.sim.trajectory.kinematics import C_NB, FORCE, OMEGA_IB, ROW
-from host.simulate.attitude_forms import matrices, quaternions
+from host.simulate.attitude_forms import matrices, product
+from host.simulate.body_point import origin_states, point_states
 from host.simulate.epochs import EpochFeed
 from host.simulate.flyable import Flyable
 from host.simulate.formats.known import Format
@@ -85,7 +86,7 @@ class Inverse:
             count = min(BLOCK, self.samples - first)
             times_ns = instants(self.rate_hz, first, count + 1)
             lengths = np.diff(times_ns) / NS
-            wanted = wanted_states(self.motion.motion(times_ns[1:] / NS))
+            wanted = self._wanted(times_ns[1:] / NS)
             increments, states = np.empty((count, 6)), np.empty((count, STATE))
             invert(loop, wanted, lengths, increments, states)
             loop = states[-1].copy()
@@ -93,13 +94,30 @@ class Inverse:
             integrate(alone, increments, lengths, forward)
             alone = forward[-1].copy()
             closure.add(forward, wanted)
-            yield self._block(times_ns[1:], lengths, increments, states)
+            yield self._block(
+                times_ns[1:], lengths, increments, self._of_origin(times_ns[1:], states, wanted)
+            )
+
+    def _wanted(self, t_s: Floats) -> Floats:
+        """What the sensor's place is to do (n, 10): position, velocity, quaternion."""
+        return point_states(self.motion, t_s, np.array(self.sensors.places.sensor_m))
+
+    def _of_origin(self, times_ns: NDArray[np.int64], states: Floats, wanted: Floats) -> Floats:
+        """The origin's states that belong to those of the sensor's place: as far from what was wanted."""
+        if not any(self.sensors.places.sensor_m):
+            return states
+        here = origin_states(self.motion, times_ns / NS)
+        moved = states.copy()
+        moved[:, :QUATERNION] += here[:, :QUATERNION] - wanted[:, :QUATERNION]
+        back = wanted[:, QUATERNION:] * [1.0, -1.0, -1.0, -1.0]
+        turned = product(states[:, QUATERNION:TURNED], product(back, here[:, QUATERNION:]))
+        moved[:, QUATERNION:TURNED] = turned
+        return moved
 
     def _beginning(self) -> Floats:
         """The state at time 0, with what the interval before it would have been at the same rates."""
         step = float(1 / self.rate_hz)
-        rows = self.motion.motion(np.array([0.0, step]))
-        wanted = wanted_states(rows)
+        wanted = self._wanted(np.array([0.0, step]))
         state = np.zeros(STATE)
         state[:TURNED] = wanted[0]
         state[GAINED:BENT] = wanted[1, VELOCITY:QUATERNION] - wanted[0, VELOCITY:QUATERNION]
@@ -201,11 +219,6 @@ def invert_track(
         if writer is not None:
             writer.finish()
     return Inverted(closure, time.perf_counter() - begin, tuple(files.paths), fastest, strongest)
-
-
-def wanted_states(rows: Floats) -> Floats:
-    """Rows (n, 10) for the inverse: position, velocity, quaternion."""
-    return np.hstack((rows[:, :6], quaternions(rows[:, 6:9])))
 
 
 def _angles_between(one: Floats, other: Floats) -> Floats:

@@ -25,9 +25,8 @@ from host.sim.seeding import generator
 from host.sim.simulated import SimulatedVehicle
 from host.sim.trajectory.kinematics import C_NB, HEIGHT, LATITUDE, LONGITUDE, VELOCITY
 from host.sim.truth import euler_angles
-from host.simulate.attitude_forms import matrices
+from host.simulate.attitude_forms import matrices, quaternions
 from host.simulate.instants import NS
-from host.simulate.inverse import wanted_states
 from host.simulate.loose_filter import LooseFilter, tuning_of
 from host.simulate.stream import IMU, Block, Convention, Drive, Request
 
@@ -185,11 +184,11 @@ def _by_second(drive: Drive) -> Iterator[tuple[Block, bool]]:
 
 def _started(tuning: Floats, truth: Floats, seed: int) -> LooseFilter:
     """A filter that begins with a wrong attitude, as after an alignment."""
-    row = np.concatenate((truth[: VELOCITY + 3], _angles(truth[C_NB : C_NB + 9])))
     draws = generator(seed, "outage_test.alignment").standard_normal(3)
-    row[6:9] += draws * [START_YAW, START_TILT, START_TILT]
+    angles = _angles(truth[C_NB : C_NB + 9]) + draws * [START_YAW, START_TILT, START_TILT]
     assert (LATITUDE, LONGITUDE, HEIGHT, VELOCITY) == (0, 1, 2, 3)
-    return LooseFilter(tuning, wanted_states(row[None])[0], START_TILT, START_YAW)
+    state = np.concatenate((truth[: VELOCITY + 3], quaternions(angles[None])[0]))
+    return LooseFilter(tuning, state, START_TILT, START_YAW)
 
 
 def _angles(matrix: Floats) -> Floats:
