@@ -25,8 +25,8 @@ class GyroFreeConfig:
     acceleration_noise: float = 4.6e-3 * G
     """White, 1 σ of a sample of each accelerometer, quantisation included, m/s²."""
     slow_errors: float = 2.0
-    """The filter of the rate takes ω̇ for so many times as noisy as white noise makes it: biases that drift and
-    clocks of the chips that run apart."""
+    """The filter of the rate takes ω̇ for so many times as noisy as white noise makes it: biases
+    that drift, and clocks of the chips that run apart."""
     word: float = 0.5e-3 * G
     """m/s² of one count of an accelerometer in the packet."""
     scales: tuple[float, ...] = (1.0,) * 9
