@@ -10,6 +10,8 @@ import typer
 from host.cli.exit_codes import guarded, whole_number
 from host.cli.simulate_command import NOTHING_KEPT
 
+DRIVES = 5
+
 
 def evaluate_command(
     scenario: Annotated[
@@ -21,7 +23,18 @@ def evaluate_command(
             "--preset", "-p", metavar="NAME", help="Sensor; may be repeated. Default: the published three."
         ),
     ] = None,
-    outages: Annotated[int, typer.Option("--outages", parser=whole_number, metavar="N")] = 20,
+    drives: Annotated[
+        int,
+        typer.Option(
+            "--drives",
+            parser=whole_number,
+            metavar="N",
+            help="With seeds from --seed on; the RMS is over all.",
+        ),
+    ] = DRIVES,
+    outages: Annotated[
+        int, typer.Option("--outages", parser=whole_number, metavar="N", help="On each drive.")
+    ] = 20,
     length: Annotated[
         int, typer.Option("--length", parser=whole_number, metavar="S", help="Of each outage.")
     ] = 60,
@@ -46,7 +59,7 @@ def evaluate_command(
     def command() -> int:
         from host.cli.evaluate_run import Asked, execute
 
-        asked = Asked(scenario, tuple(presets or ()), outages, length, gap, seed)
+        asked = Asked(scenario, tuple(presets or ()), drives, outages, length, gap, seed)
         return execute(asked, output, json, quiet)
 
     guarded(command, NOTHING_KEPT)

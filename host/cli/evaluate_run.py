@@ -17,11 +17,19 @@ from host.sim.errors.presets import preset_names
 from host.sim.scenario.load import load_scenario
 from host.sim.scenario.schema import Scenario
 from host.sim.seeding import LARGEST_SEED
+from host.simulate.drift import Drift, Plan
+from host.simulate.extras import must_have
 from host.simulate.outage_page import PUBLISHED, agrees, page, section, to_dict
-from host.simulate.outage_test import Drift, Plan, drift_of
+from host.simulate.outage_test import drift_of
 
 RESULT_FORMAT = "navtwin-evaluation-1"
-LIMITS = {"outages": (1, 1000), "length": (1, 3600), "gap": (1, 3600), "seed": (0, LARGEST_SEED)}
+LIMITS = {
+    "drives": (1, 1000),
+    "outages": (1, 1000),
+    "length": (1, 3600),
+    "gap": (1, 3600),
+    "seed": (0, LARGEST_SEED - 1000),
+}
 LONGEST_S = 200_000
 
 
@@ -31,10 +39,16 @@ class Asked:
 
     scenario: str
     presets: tuple[str, ...]
+    drives: int
     outages: int
     length: int
     gap: int
     seed: int
+
+    @property
+    def seeds(self) -> range:
+        """Of the drives."""
+        return range(self.seed, self.seed + self.drives)
 
 
 def execute(asked: Asked, output: Path | None, json_file: str | None, quiet: bool) -> int:
@@ -43,11 +57,13 @@ def execute(asked: Asked, output: Path | None, json_file: str | None, quiet: boo
     presets = _presets(asked)
     scenario = _scenario(asked.scenario)
     check_files(("-o", output), ("--json", json_file), read=scenario.path)
+    if asked.drives > 1:
+        must_have("scipy", "navtwin evaluate")
     drifts: list[Drift] = []
     for preset in presets:
         with progress_bar(f"evaluate {preset}", quiet) as progress:
-            drifts.append(drift_of(scenario, plan, preset, asked.seed, progress))
-    summary = section(drifts, plan, scenario.name)
+            drifts.append(drift_of(scenario, plan, preset, asked.seeds, progress))
+    summary = section(drifts, scenario.name)
     console = standard_error() if json_file == "-" else standard_output()
     if not quiet:
         print_section(console, summary)
@@ -55,7 +71,13 @@ def execute(asked: Asked, output: Path | None, json_file: str | None, quiet: boo
         write_whole(output, page(f"Drift on {scenario.name}", drifts, summary), "-o")
         console.print(f"written: {output}", soft_wrap=True)
     if json_file is not None:
-        about = {"format": RESULT_FORMAT, "scenario": scenario.name, "seed": asked.seed, "plan": asdict(plan)}
+        about = {
+            "format": RESULT_FORMAT,
+            "scenario": scenario.name,
+            "seed": asked.seed,
+            "drives": asked.drives,
+            "plan": asdict(plan),
+        }
         text = json.dumps(about | {"sensors": [to_dict(one) for one in drifts]}, indent=1) + "\n"
         if json_file == "-":
             print(text, end="")

@@ -30,7 +30,7 @@ PARTS = {
     "joints": ("numpy", "Joints between segments, flanks of 0.5 s"),
     "noise": ("allantools", "Set noise, found again by allantools"),
     "bmi160": ("allantools", "Allan curves of a real BMI160 (NAVTWIN_DATA) beside its preset's, 0.1 to 50 s"),
-    "drift": ("numpy", "A minute without a receiver, 20 times, loosely coupled filter"),
+    "drift": ("scipy", "A minute without a receiver, 20 times on each of 5 drives, loosely coupled filter"),
     "speed": ("numpy", "Generation: samples a second of one core's time, truth and all errors"),
 }
 """The library that each needs, and its heading."""

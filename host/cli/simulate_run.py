@@ -17,7 +17,10 @@ from host.cli.terminal import progress_bar, standard_error, standard_output
 from host.record.atomic import write_whole
 from host.record.errors import UserError
 from host.report.numbers import number
+from host.sim.gnss.faults import GNSS_FAULT_KINDS
+from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.load import load_scenario
+from host.sim.scenario.schema import Scenario
 from host.sim.seeding import LARGEST_SEED
 from host.simulate.drives import DRIVES
 from host.simulate.formats.known import Format, chosen
@@ -72,12 +75,13 @@ def execute(asked: Asked, json_file: str | None, quiet: bool) -> int:
     form = None if asked.output is None else chosen(asked.form, asked.output)
     request = _request(asked, form)
     check_files(("-o", asked.output), ("--json", json_file), read=request.scenario.path)
+    left_out = _faults_left_out(request.scenario)
     drive = Drive(request)
     about = _about(asked, request, drive)
     warm_up(request)
     with progress_bar(f"simulate {request.scenario.name}", quiet) as progress:
         done = simulate(drive, asked.output, form, about, progress)
-    _tell(about, done, json_file)
+    _tell(about, done, left_out, json_file)
     return EXIT_MET
 
 
@@ -124,6 +128,21 @@ def _request(asked: Asked, form: Format | None) -> Request:
         magnetometer_hz=magnetometer_hz,
         barometer_hz=barometer_hz,
     )
+
+
+def _faults_left_out(scenario: Scenario) -> list[str]:
+    """Names of those that strike buses and chips, which only a board has. ScenarioError for unknown kinds."""
+    if not scenario.fault:
+        return []
+    from host.run.fault_kinds import KINDS
+
+    for fault in scenario.fault:
+        if fault.kind not in (*KINDS, *GNSS_FAULT_KINDS):
+            raise ScenarioError(
+                f"{scenario.path or scenario.name}: fault {fault.name!r}: no kind of fault {fault.kind!r};"
+                f" {did_you_mean(fault.kind, [*KINDS, *GNSS_FAULT_KINDS])}"
+            )
+    return [str(fault.name) for fault in scenario.fault if fault.kind not in GNSS_FAULT_KINDS]
 
 
 def rate_of(option: str, text: str, least: Fraction) -> Fraction:
@@ -212,7 +231,7 @@ def _joints(drive: Drive) -> dict[str, Any]:
     }
 
 
-def _tell(about: dict[str, Any], done: Simulated, json_file: str | None) -> None:
+def _tell(about: dict[str, Any], done: Simulated, left_out: list[str], json_file: str | None) -> None:
     files = [str(path) for path in done.files]
     console = standard_error() if json_file == "-" else standard_output()
     rate = number(done.samples_per_s)
@@ -223,6 +242,8 @@ def _tell(about: dict[str, Any], done: Simulated, json_file: str | None) -> None
         console.print(
             f"the path steps at {steps} joints ({kinds}); blend_s makes them smooth", soft_wrap=True
         )
+    if left_out:
+        console.print(f"left out, as only boards have buses and chips: {', '.join(left_out)}", soft_wrap=True)
     if files:
         console.print(f"written: {'  '.join(files)}", soft_wrap=True)
     if json_file is None:

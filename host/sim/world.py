@@ -14,7 +14,7 @@ from host.sim.gnss.faults import glitches_of, refuse_baseline_faults
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.gnss.schedule import Window
 from host.sim.magnetic_field import MagneticField
-from host.sim.scenario.errors import ScenarioError
+from host.sim.scenario.errors import ScenarioError, named
 from host.sim.scenario.schema import Scenario
 from host.sim.simulated import SimulatedVehicle
 from host.sim.ten_dof import FeltTenDof
@@ -98,9 +98,10 @@ class World:
         """
         lever = np.zeros(3) if lever_arm is None else np.asarray(lever_arm, dtype=np.float64)
         receiver = self._vehicle.gnss(name, lever, second_lever_arm)
-        if second_lever_arm is None:
-            refuse_baseline_faults(self.scenario.fault, name)
-        glitches = glitches_of(self.scenario.fault, name, self.duration_ns, self.seed)
+        with named(self.scenario.path, self.scenario.name):
+            if second_lever_arm is None:
+                refuse_baseline_faults(self.scenario.fault, name)
+            glitches = glitches_of(self.scenario.fault, name, self.duration_ns, self.seed)
         return GlitchedReceiver(receiver, glitches) if glitches else receiver
 
     def compass(self, name: str, mounting: Array | None = None) -> CompassWorld:

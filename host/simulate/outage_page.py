@@ -13,7 +13,8 @@ from host.report.charts import FUSED, GNSS, TRUTH, Chart, line
 from host.report.html import chart_block, chart_scripts, document, table
 from host.report.numbers import NONE, number
 from host.report.summary import MET, NOT_MET, Section
-from host.simulate.outage_test import GNSS_M, GNSS_MPS, RATE_HZ, Drift, Plan
+from host.simulate.drift import Drift
+from host.simulate.outage_test import GNSS_M, GNSS_MPS, RATE_HZ
 
 COLOURS = (FUSED, GNSS, TRUTH, "#2e8b57", "#8e44ad")
 FAINT = "rgba(120,130,140,0.45)"
@@ -61,15 +62,18 @@ def agrees(drift: Drift) -> bool | None:
     return low <= drift.horizontal_rms_m() <= high
 
 
-def section(drifts: Sequence[Drift], plan: Plan, drive: str) -> Section:
+def section(drifts: Sequence[Drift], drive: str) -> Section:
     """One row a sensor; `drive`: the scenario's name."""
+    plan, seeds = drifts[0].plan, drifts[0].seeds
+    drives = "one drive" if len(seeds) == 1 else f"{len(seeds)} drives (seeds {seeds[0]} … {seeds[-1]})"
     columns = (
-        *("sensor", "horizontal, m", "expected by the filter, m", "vertical, m"),
+        *("sensor", "horizontal, m", "its 95 %, m", "expected by the filter, m", "vertical, m"),
         *("roll, °", "pitch, °", "yaw, °", "document: simulated, m", "real, m", "agrees, m", "verdict"),
     )
     note = (
         f"On {drive}; the document prints no drive of its own, and the drive decides."
-        f" RMS of the error at the end of {plan.outages} outages of {plan.length_s} s, {plan.gap_s} s apart."
+        f" RMS of the error at the end of {plan.outages} outages of {plan.length_s} s, {plan.gap_s} s apart,"
+        f" on {drives}; the interval is that of the figure over endless drives, by how these scatter."
         f" Receiver: {GNSS_M:g} m, {GNSS_MPS:g} m/s, 1 Hz. Sensors at {RATE_HZ} Hz."
     )
     title = f"Drift without a receiver for {plan.length_s} s"
@@ -78,8 +82,10 @@ def section(drifts: Sequence[Drift], plan: Plan, drive: str) -> Section:
 
 def _row(drift: Drift) -> tuple[str, ...]:
     known, met = published(drift), agrees(drift)
-    figures = (drift.horizontal_rms_m(), drift.claimed_rms_m(), *(drift.rms(k) for k in (2, 3, 4, 5)))
-    ours = (drift.preset, *map(number, figures))
+    figures = (drift.claimed_rms_m(), *(drift.rms(k) for k in (2, 3, 4, 5)))
+    interval = drift.interval_m()
+    sure = NONE if interval is None else " … ".join(map(number, interval))
+    ours = (drift.preset, number(drift.horizontal_rms_m()), sure, *map(number, figures))
     if known is None:
         return *ours, NONE, NONE, NONE, NONE
     real = f"{known.real:.2f}"
@@ -93,10 +99,13 @@ def _row(drift: Drift) -> tuple[str, ...]:
 def to_dict(drift: Drift) -> dict[str, Any]:
     """For JSON."""
     known = published(drift)
+    interval = drift.interval_m()
     names = ("vertical_rms_m", "roll_rms_deg", "pitch_rms_deg", "yaw_rms_deg")
     return {
         "preset": drift.preset,
         "horizontal_rms_m": drift.horizontal_rms_m(),
+        "interval_95_m": None if interval is None else list(interval),
+        "each_drive_rms_m": drift.each_rms_m(),
         "expected_horizontal_rms_m": drift.claimed_rms_m(),
         **{name: drift.rms(column) for column, name in enumerate(names, start=2)},
         "document_simulated_m": None if known is None or known.simulated is None else list(known.simulated),

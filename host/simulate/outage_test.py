@@ -1,14 +1,15 @@
 """How far a loosely coupled filter drifts without a receiver: outages of equal length along one drive.
 
 source 002, section 4.5. The sensor's errors are those of a preset alone, the receiver's are white: 2 cm and
-2 cm/s on every axis at 1 Hz. A drive that is too short is driven again and again.
+2 cm/s on every axis at 1 Hz. A drive that is too short is driven again and again. Biases last longer than the
+gap between outages, so that those of one drive are alike: only several drives, each with errors of its own,
+tell a sensor's drift.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 
 import numpy as np
@@ -17,7 +18,7 @@ from numpy.typing import NDArray
 from host.sim.errors.drawn import draw_specimen
 from host.sim.errors.presets import load_preset
 from host.sim.errors.schema import ImuErrors
-from host.sim.gnss.schedule import Window, held, window
+from host.sim.gnss.schedule import held
 from host.sim.gnss.settings import GnssSettings
 from host.sim.scenario.errors import ScenarioError
 from host.sim.scenario.schema import Scenario
@@ -26,6 +27,7 @@ from host.sim.simulated import SimulatedVehicle
 from host.sim.trajectory.kinematics import C_NB, HEIGHT, LATITUDE, LONGITUDE, VELOCITY
 from host.sim.truth import euler_angles
 from host.simulate.attitude_forms import matrices, quaternions
+from host.simulate.drift import Drift, Plan
 from host.simulate.instants import NS
 from host.simulate.loose_filter import LooseFilter, tuning_of
 from host.simulate.stream import IMU, Block, Convention, Drive, Request
@@ -37,66 +39,6 @@ RATE_HZ = 200
 GNSS_M, GNSS_MPS = 0.02, 0.02
 START_TILT, START_YAW = math.radians(0.1), math.radians(0.5)
 EARTH_RADIUS = 6.371e6
-
-
-@dataclass(frozen=True, slots=True)
-class Plan:
-    """When there is no receiver."""
-
-    outages: int = 20
-    length_s: int = 60
-    gap_s: int = 540
-    """Between outages, with a receiver."""
-    settle_s: int = 300
-    """Before the first one."""
-
-    @property
-    def starts_s(self) -> tuple[int, ...]:
-        """Of each outage."""
-        return tuple(self.settle_s + k * (self.length_s + self.gap_s) for k in range(self.outages))
-
-    @property
-    def duration_s(self) -> int:
-        """Of the drive: a second beyond the last outage."""
-        return self.starts_s[-1] + self.length_s + 1
-
-    def windows(self) -> list[Window]:
-        """Without the receiver's epochs, the one at their very end too."""
-        return [window(start, self.length_s + 0.5) for start in self.starts_s]
-
-
-@dataclass(frozen=True, slots=True)
-class Drift:
-    """What one sensor did: errors each second, estimated minus true."""
-
-    preset: str
-    t_s: Floats
-    errors: Floats
-    """(n, 6): north, east, down in m; roll, pitch, yaw in °."""
-    claimed_m: Floats
-    """(n,): horizontal 1 σ by the filter's own covariance."""
-    plan: Plan
-
-    def rows(self, after_s: int) -> NDArray[np.int64]:
-        """Where the seconds `after_s` after each outage's beginning stand."""
-        return np.searchsorted(self.t_s, [start + after_s for start in self.plan.starts_s])
-
-    def horizontal_m(self) -> Floats:
-        """(outages, length + 1): horizontal error each second of each outage."""
-        grid = np.array([self.rows(after) for after in range(self.plan.length_s + 1)]).T
-        return np.hypot(self.errors[grid, 0], self.errors[grid, 1])
-
-    def horizontal_rms_m(self) -> float:
-        """Over the ends."""
-        return float(np.sqrt(np.mean(self.horizontal_m()[:, -1] ** 2)))
-
-    def claimed_rms_m(self) -> float:
-        """What the filter expects that to be."""
-        return float(np.sqrt(np.mean(self.claimed_m[self.rows(self.plan.length_s)] ** 2)))
-
-    def rms(self, column: int) -> float:
-        """Of one column of `errors` over the ends."""
-        return float(np.sqrt(np.mean(self.errors[self.rows(self.plan.length_s), column] ** 2)))
 
 
 def driven(scenario: Scenario, plan: Plan, preset: str) -> Scenario:
@@ -131,8 +73,24 @@ def driven(scenario: Scenario, plan: Plan, preset: str) -> Scenario:
     return plain.model_copy(update={"duration_s": float(plan.duration_s)})
 
 
-def drift_of(scenario: Scenario, plan: Plan, preset: str, seed: int, progress: Progress | None) -> Drift:
-    """Drive along and measure. Raises ScenarioError."""
+def drift_of(
+    scenario: Scenario, plan: Plan, preset: str, seeds: Sequence[int], progress: Progress | None
+) -> Drift:
+    """Drive along with each of the `seeds`, and measure. Raises ScenarioError."""
+    drives = []
+    for k, seed in enumerate(seeds):
+
+        def told(done_s: float, all_s: float, k: int = k) -> None:
+            if progress is not None:
+                progress(k * all_s + done_s, len(seeds) * all_s)
+
+        drives.append(_drive_along(scenario, plan, preset, seed, told))
+    tables = np.array(drives)
+    return Drift(preset, tuple(seeds), tables[0, :, 0], tables[:, :, 1:7], tables[:, :, 7], plan)
+
+
+def _drive_along(scenario: Scenario, plan: Plan, preset: str, seed: int, progress: Progress) -> Floats:
+    """One drive: rows of time in s, errors (6) and claimed 1 σ."""
     request = Request(
         driven(scenario, plan, preset), seed, Fraction(RATE_HZ), Fraction(1), Convention.INCREMENT
     )
@@ -161,10 +119,8 @@ def drift_of(scenario: Scenario, plan: Plan, preset: str, seed: int, progress: P
         if not held(windows, time_ns):
             place = np.array([epoch.latitude, epoch.longitude, epoch.height])
             tracker.update(place, np.array(epoch.velocity_ned), GNSS_M, GNSS_MPS)
-        if progress is not None:
-            progress(before_ns / NS, plan.duration_s)
-    table = np.array(found)
-    return Drift(preset, table[:, 0], table[:, 1:7], table[:, 7], plan)
+        progress(before_ns / NS, plan.duration_s)
+    return np.array(found)
 
 
 def _part(block: Block, first: int, end: int) -> Block:

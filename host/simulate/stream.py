@@ -20,6 +20,7 @@ from host.sim.errors.sensor_kernel import move_forces
 from host.sim.gnss.faults import GNSS_FAULT_KINDS, glitches_of, refuse_baseline_faults
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.magnetic_field import MagneticField
+from host.sim.scenario.errors import named
 from host.sim.scenario.schema import Scenario
 from host.sim.simulated import SimulatedVehicle
 from host.sim.trajectory.joints import Joints, examine
@@ -181,11 +182,12 @@ def _receiver(request: Request, vehicle: SimulatedVehicle) -> GnssWorld:
     """The receiver with all faults of the scenario that strike one, whatever it is called there."""
     second = None if request.second_antenna_m is None else np.array(request.second_antenna_m)
     receiver = vehicle.gnss(RECEIVER, np.array(request.antenna_m), second)
-    named = [fault for fault in request.scenario.fault if fault.kind in GNSS_FAULT_KINDS]
-    for fault in named if second is None else ():
-        refuse_baseline_faults([fault], fault.target)
-    struck = [fault.model_copy(update={"target": RECEIVER}) for fault in named]
-    glitches = glitches_of(struck, RECEIVER, vehicle.duration_ns, request.seed)
+    faults = [fault for fault in request.scenario.fault if fault.kind in GNSS_FAULT_KINDS]
+    struck = [fault.model_copy(update={"target": RECEIVER}) for fault in faults]
+    with named(request.scenario.path, request.scenario.name):
+        for fault in faults if second is None else ():
+            refuse_baseline_faults([fault], fault.target)
+        glitches = glitches_of(struck, RECEIVER, vehicle.duration_ns, request.seed)
     return GlitchedReceiver(receiver, glitches) if glitches else receiver
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 from typer.testing import CliRunner, Result
 
 from host.cli.main import app
@@ -54,7 +55,7 @@ def sensors(told: dict[str, Any]) -> dict[str, dict[str, Any]]:
 
 
 def test_without_sensor_errors_nothing_drifts_but_what_the_receiver_left(streets: Path) -> None:
-    _, told = figures(streets, "-p", "perfect", "--outages", 3, "--length", 60, "--gap", 20)
+    _, told = figures(streets, "-p", "perfect", "--drives", 1, "--outages", 3, "--length", 60, "--gap", 20)
     assert sensors(told)["perfect"]["horizontal_rms_m"] < 0.03
 
 
@@ -63,7 +64,7 @@ def test_filter_knows_how_far_each_grade_drifts(streets: Path) -> None:
     less independent ones a little more."""
     presets = ("pos830", "stim300", "adis16488")
     options = [part for name in presets for part in ("-p", name)]
-    code, told = figures(streets, *options, "--outages", 24, "--length", 30, "--gap", 20)
+    code, told = figures(streets, *options, "--drives", 1, "--outages", 24, "--length", 30, "--gap", 20)
     assert code == 0  # 30 s were not published
     found = sensors(told)
     for one in found.values():
@@ -77,7 +78,7 @@ def test_filter_knows_how_far_each_grade_drifts(streets: Path) -> None:
 
 def test_verdict_page_and_exit_code(streets: Path, tmp_path: Path) -> None:
     page = tmp_path / "drift.html"
-    options = (streets, "-p", "stim300", "-p", "bmi160", "--outages", 2, "--gap", 10)
+    options = (streets, "-p", "stim300", "-p", "bmi160", "--drives", 2, "--outages", 1, "--gap", 10)
     result = evaluate(*options, "-o", page, "--json", tmp_path / "drift.json")
     told = sensors(json.loads((tmp_path / "drift.json").read_text()))
     low, high = told["stim300"]["band_m"]
@@ -94,12 +95,29 @@ def test_verdict_page_and_exit_code(streets: Path, tmp_path: Path) -> None:
     assert (tmp_path / "again.html").read_bytes() == page.read_bytes()
 
 
+def test_figure_is_that_of_all_drives_and_its_interval_that_of_their_scatter(streets: Path) -> None:
+    """Each drive by itself is the command with that seed; Student's interval by SciPy, of the mean square."""
+    options = (streets, "-p", "stim300", "--outages", 3, "--length", 20, "--gap", 10)
+    one = sensors(figures(*options, "--drives", 3, "--seed", 4)[1])["stim300"]
+    alone = [sensors(figures(*options, "--drives", 1, "--seed", seed)[1])["stim300"] for seed in (4, 5, 6)]
+    assert one["horizontal_m"] == [end for single in alone for end in single["horizontal_m"]]
+    assert one["each_drive_rms_m"] == [single["horizontal_rms_m"] for single in alone]
+    assert alone[0]["interval_95_m"] is None
+    ends = np.array(one["horizontal_m"])
+    assert one["horizontal_rms_m"] == pytest.approx(np.sqrt(np.mean(ends**2)))
+    squares = np.array(one["each_drive_rms_m"]) ** 2
+    low, high = stats.t.interval(0.95, 2, loc=1.0, scale=stats.sem(squares) / squares.mean())
+    shares = 2.0 * np.log(np.array(one["interval_95_m"]) / one["horizontal_rms_m"])
+    np.testing.assert_allclose(shares, (low - 1.0, high - 1.0), rtol=1e-9)
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
         (["no-such"], "no board has such a scenario"),
         (["real-drive"], "is a recording"),
         (["-p", "bmi106"], "did you mean 'bmi160'"),
+        (["--drives", "0"], "--drives 0: must lie in"),
         (["--outages", "0"], "--outages 0: must lie in"),
         (["--length", "-3"], "--length -3: must lie in"),
         (["--gap", "x"], "gap"),
