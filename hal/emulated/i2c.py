@@ -145,7 +145,7 @@ class EmulatedI2cBus:
             done = self.player(start, address, bytes(write), read_length)
             return self._play(done)
         slave, listens, stretches = self._manners.get(address, _NOBODY)
-        usual = bool(write and read_length) and not stretches and self.observer is None and not self.stuck
+        usual = bool(write or read_length) and not stretches and self.observer is None and not self.stuck
         if usual and slave is not None and (listens is None or listens(start + self._address_ns)):
             return self._quick(slave, address, bytes(write), read_length)
         wire = _Wire(self._cpu, start, self.frequency_hz)
@@ -163,7 +163,7 @@ class EmulatedI2cBus:
                 self.observer(done)
 
     def _quick(self, slave: I2cSlave, address: int, write: bytes, read_length: int) -> bytes:
-        """The usual read of registers that nobody watches: the same as `_run`, in one piece."""
+        """The usual transaction that nobody watches: the same as `_run`, in one piece."""
         cpu, time = self._cpu, self._cpu.time
         start = end = time.now
         lengths = (len(write), read_length)
@@ -172,29 +172,34 @@ class EmulatedI2cBus:
             self._steps[lengths] = steps = _steps(*lengths, self.frequency_hz)
         written_ns, addressed_ns, over_ns, refused_ns = steps
         try:
-            end = start + written_ns
-            if end < time.limit:
-                time.now = end
-            else:
-                cpu.wait_until(end)
-            acknowledged = slave.write(write, time.now)
-            if acknowledged < len(write):
-                end = start + refused_ns
-                cpu.wait_until(end)
-                raise self._refused(ErrorKind.DATA_NACK, address, acknowledged, len(write))
-            end = start + addressed_ns
-            if end < time.limit:
-                time.now = end
-            else:
-                cpu.wait_until(end)
-            listens = self._manners.get(address, _NOBODY)[1]
-            if listens is not None and not listens(time.now):
-                end = start + addressed_ns + SECOND // self.frequency_hz
-                cpu.wait_until(end)
-                raise self._refused(ErrorKind.ADDRESS_NACK, address)
-            read = slave.read(read_length, time.now)
-            if len(read) != read_length:
-                raise ValueError(f"slave 0x{address:02X} gave {len(read)} bytes for a read of {read_length}")
+            if write:
+                end = start + written_ns
+                if end < time.limit:
+                    time.now = end
+                else:
+                    cpu.wait_until(end)
+                acknowledged = slave.write(write, time.now)
+                if acknowledged < len(write):
+                    end = start + refused_ns
+                    cpu.wait_until(end)
+                    raise self._refused(ErrorKind.DATA_NACK, address, acknowledged, len(write))
+            read = b""
+            if read_length:
+                end = start + addressed_ns
+                if end < time.limit:
+                    time.now = end
+                else:
+                    cpu.wait_until(end)
+                listens = self._manners.get(address, _NOBODY)[1]
+                if listens is not None and not listens(time.now):
+                    end = start + addressed_ns + SECOND // self.frequency_hz
+                    cpu.wait_until(end)
+                    raise self._refused(ErrorKind.ADDRESS_NACK, address)
+                read = slave.read(read_length, time.now)
+                if len(read) != read_length:
+                    raise ValueError(
+                        f"slave 0x{address:02X} gave {len(read)} bytes for a read of {read_length}"
+                    )
             end = start + over_ns
             if end < time.limit:
                 time.now = end
@@ -283,10 +288,15 @@ def _may_stretch(slave: I2cSlave) -> bool:
 
 
 def _steps(written: int, read: int, frequency_hz: int) -> tuple[int, int, int, int]:
+    """Until the bytes are written, the slave is addressed to read, all is over; over when a byte is refused.
+    Of a read alone the first address is that of the read."""
     address = 1 + BYTE_CLOCKS
     behind = address + BYTE_CLOCKS * written
-    clocks = (behind, behind + address, behind + address + BYTE_CLOCKS * read + 1, behind + 1)
-    first, second, third, fourth = (count * SECOND // frequency_hz for count in clocks)
+    addressed = behind + address if written and read else behind
+    over = addressed + BYTE_CLOCKS * read + 1
+    first, second, third, fourth = (
+        count * SECOND // frequency_hz for count in (behind, addressed, over, behind + 1)
+    )
     return first, second, third, fourth
 
 
