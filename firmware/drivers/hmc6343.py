@@ -52,6 +52,9 @@ class Command(IntEnum):
     WRITE_EEPROM = 0xF1
 
 
+HEADING_REQUEST: Final = bytes((Command.POST_HEADING,))
+
+
 class Outcome(Enum):
     """What a call found."""
 
@@ -124,7 +127,8 @@ class Hmc6343:
         """The byte that made the last call fail."""
         self._bus = bus
         self._cpu = cpu
-        self.raw: NDArray[np.uint8] = np.zeros(RESPONSE_LENGTH, np.uint8)
+        self._response = bytearray(RESPONSE_LENGTH)
+        self.raw: NDArray[np.uint8] = np.frombuffer(self._response, np.uint8)
 
     def identify(self) -> Outcome:
         """The part has no identity; its own address in its EEPROM stands for it."""
@@ -169,10 +173,12 @@ class Hmc6343:
 
     def read(self) -> bool:
         """Heading, pitch, roll into `raw`; False when nobody acknowledged."""
-        response = self._ask(POST_NS, RESPONSE_LENGTH, Command.POST_HEADING)
-        if response is None:
+        try:
+            self._bus.transaction(ADDRESS, HEADING_REQUEST)
+            self._cpu.delay(POST_NS)
+            self._response[:] = self._bus.transaction(ADDRESS, b"", RESPONSE_LENGTH)
+        except BusError:
             return False
-        self.raw[:] = np.frombuffer(response, np.uint8)
         return True
 
     def temperature(self) -> float | None:

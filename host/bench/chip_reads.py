@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 
 from boards.chips.adis16407 import Adis16407 as Adis16407Model
 from boards.chips.adxl345 import Adxl345 as Adxl345Model
+from boards.chips.bmi160 import Bmi160 as Bmi160Model
 from boards.chips.hmc6343 import Hmc6343 as Hmc6343Model
 from firmware.drivers.adis16407 import Adis16407, Adis16407Config
 from firmware.drivers.adxl345 import Adxl345, Adxl345Config, Outcome
 from firmware.drivers.adxl345_ports import I2cPort, RegisterPort, SpiPort
+from firmware.drivers.bmi160 import Bmi160, Bmi160Config
 from firmware.drivers.hmc6343 import Hmc6343, Hmc6343Config
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.i2c import EmulatedI2cBus
@@ -78,9 +80,11 @@ class StillTenDof:
 class StillCompass:
     """A world at rest with a field."""
 
+    row = np.array([[0.0, 0.0, 9.80665, 2e-5, 0.0, 4e-5, 25.0]])
+
     def sample(self, times_ns: NDArray[np.int64]) -> NDArray[np.float64]:
         """See boards.chips.world.CompassWorld."""
-        return np.tile([0.0, 0.0, 9.80665, 2e-5, 0.0, 4e-5, 25.0], (len(times_ns), 1))
+        return self.row.repeat(len(times_ns), axis=0)
 
 
 class AdisBench:
@@ -91,6 +95,21 @@ class AdisBench:
         timing = SpiTiming(MEGAHERTZ, bits_per_word=16, stall_clocks=1, high_ns=9_000)
         device = EmulatedSpiBus(self.cpu, timing).device(Adis16407Model(self.cpu.time, StillTenDof()), "U1")
         self.chips = [Adis16407(device, self.cpu, Adis16407Config())]
+        self.chips[0].start()
+
+    def read_all(self) -> None:
+        """One burst."""
+        self.chips[0].read()
+
+
+class BmiBench:
+    """A BMI160 on SPI at 5 MHz: rate, force and sensortime, 15 bytes."""
+
+    def __init__(self) -> None:
+        self.cpu = EmulatedCpu(VirtualTime(), "mcu", 168 * MEGAHERTZ)
+        model = Bmi160Model(self.cpu.time, Still())
+        device = EmulatedSpiBus(self.cpu, SpiTiming(5 * MEGAHERTZ)).device(model, "U1")
+        self.chips = [Bmi160(device, self.cpu, Bmi160Config(rate_hz=RATE_HZ))]
         self.chips[0].start()
 
     def read_all(self) -> None:
@@ -115,10 +134,11 @@ class CompassBench:
 
 
 def read_us(repeats: int) -> dict[str, float]:
-    """Microseconds of a read, each time of a new sample (of the compass at 10 Hz: of every twentieth), by way
-    of reading: six data bytes of the ADXL345, a burst of the ADIS16407, a heading of the HMC6343."""
+    """Microseconds of a read, each time of a new sample (of the compass at 10 Hz: of every twentieth), by
+    way: six data bytes of the ADXL345, a burst of the ADIS16407 or BMI160, a heading of the HMC6343."""
     return {
         "adis16407_burst": _per_read(AdisBench(), repeats),
+        "bmi160_burst": _per_read(BmiBench(), repeats),
         "hmc6343_heading": _per_read(CompassBench(), repeats),
         "adxl345_spi": _per_read(Bench(), repeats),
         "adxl345_spi_fifo": _per_read(Bench(fifo="stream"), repeats),
@@ -127,7 +147,7 @@ def read_us(repeats: int) -> dict[str, float]:
     }
 
 
-def _per_read(bench: Bench | AdisBench | CompassBench, repeats: int) -> float:
+def _per_read(bench: Bench | AdisBench | BmiBench | CompassBench, repeats: int) -> float:
     """Reading once a sample, less the processor's wait alone."""
     pause = 168 * MEGAHERTZ // RATE_HZ
 

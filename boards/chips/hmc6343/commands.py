@@ -35,14 +35,14 @@ class Command:
     response: int = 0
 
 
-_POST_NS, _SHORT_NS, _EEPROM_NS = 1 * MILLISECOND, 300 * MICROSECOND, 10 * MILLISECOND
+POST_NS, _SHORT_NS, _EEPROM_NS = 1 * MILLISECOND, 300 * MICROSECOND, 10 * MILLISECOND
 
 COMMANDS = {
-    POST_ACCELEROMETER: Command("post accelerometer", _POST_NS, response=6),
-    POST_MAGNETOMETER: Command("post magnetometer", _POST_NS, response=6),
-    POST_HEADING: Command("post heading", _POST_NS, response=6),
-    POST_TILT: Command("post tilt", _POST_NS, response=6),
-    POST_OP_MODE: Command("post OP mode 1", _POST_NS, response=1),
+    POST_ACCELEROMETER: Command("post accelerometer", POST_NS, response=6),
+    POST_MAGNETOMETER: Command("post magnetometer", POST_NS, response=6),
+    POST_HEADING: Command("post heading", POST_NS, response=6),
+    POST_TILT: Command("post tilt", POST_NS, response=6),
+    POST_OP_MODE: Command("post OP mode 1", POST_NS, response=1),
     ENTER_CALIBRATION: Command("enter calibration", _SHORT_NS),
     LEVEL: Command("level orientation", _SHORT_NS),
     EDGE: Command("upright edge orientation", _SHORT_NS),

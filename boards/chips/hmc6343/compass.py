@@ -11,6 +11,8 @@ that has no meaning is 0.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,58 +26,73 @@ FIELD_LIMIT_T = 1.5e-4
 """1500 mgauss."""
 
 Floats = NDArray[np.float64]
-_X, _Y, _Z = np.eye(3)
+Vector = Sequence[float]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Orientation:
-    """Which of the chip's axes point forward, left and up."""
+    """Which of the chip's axes point forward, left and up: place of the axis among x, y, z, and its sign."""
 
-    forward: Floats
-    left: Floats
-    up: Floats
-
-
-LEVEL = Orientation(_X, _Y, _Z)
-EDGE = Orientation(_X, -_Z, _Y)
-FRONT = Orientation(_Z, _Y, -_X)
+    forward: tuple[int, float]
+    left: tuple[int, float]
+    up: tuple[int, float]
 
 
-def accelerometer_counts(force: Floats) -> Floats:
+LEVEL = Orientation((0, 1.0), (1, 1.0), (2, 1.0))
+EDGE = Orientation((0, 1.0), (2, -1.0), (1, 1.0))
+FRONT = Orientation((2, 1.0), (1, 1.0), (0, -1.0))
+
+
+def accelerometer_counts(force: Vector) -> list[int]:
     """Counts of specific force in m/s²."""
-    return np.clip(np.rint(force / STANDARD_GRAVITY * ACCELEROMETER_COUNTS_PER_G), -32768, 32767)
+    return [round(value / STANDARD_GRAVITY * ACCELEROMETER_COUNTS_PER_G) for value in force]
+
+
+def limited(field: Vector) -> list[float]:
+    """A flux density (T) within the range."""
+    return [max(-FIELD_LIMIT_T, min(FIELD_LIMIT_T, value)) for value in field]
 
 
 def magnetometer_counts(field: Floats) -> Floats:
-    """Counts of flux density in T, not rounded, limited to the range."""
+    """Counts of flux densities in T, not rounded, limited to the range."""
     return np.clip(field, -FIELD_LIMIT_T, FIELD_LIMIT_T) / TESLA_PER_COUNT
 
 
-def tilt(force: Floats, orientation: Orientation) -> tuple[float, float]:
+def tilt(force: Vector, orientation: Orientation) -> tuple[float, float]:
     """Pitch and roll (degrees) of one sample."""
-    length = float(np.linalg.norm(force))
+    length = math.hypot(*force)
     if length == 0.0:
         return 0.0, 0.0
-    up = force / length
-    pitch = np.arcsin(np.clip(orientation.forward @ up, -1.0, 1.0))
-    roll = np.arctan2(orientation.left @ up, orientation.up @ up)
-    return float(np.degrees(pitch)), float(np.degrees(roll))
+    forward = _along(orientation.forward, force) / length
+    pitch = math.asin(max(-1.0, min(1.0, forward)))
+    roll = math.atan2(_along(orientation.left, force) / length, _along(orientation.up, force) / length)
+    return math.degrees(pitch), math.degrees(roll)
 
 
-def heading(force: Floats, field: Floats, orientation: Orientation) -> float:
+def heading(force: Vector, field: Vector, orientation: Orientation) -> float:
     """Magnetic heading (degrees, 0 … 360) of one sample."""
-    length = float(np.linalg.norm(force))
+    length = math.hypot(*force)
     if length == 0.0:
         return 0.0
-    up = force / length
-    north = field - (field @ up) * up
-    east = np.cross(north, up)
-    angle = np.arctan2(orientation.forward @ east, orientation.forward @ north)
-    return float(np.degrees(angle)) % 360.0
+    x, y, z = (component / length for component in force)
+    fx, fy, fz = field
+    upright = fx * x + fy * y + fz * z
+    north = (fx - upright * x, fy - upright * y, fz - upright * z)
+    east = (north[1] * z - north[2] * y, north[2] * x - north[0] * z, north[0] * y - north[1] * x)
+    angle = math.atan2(_along(orientation.forward, east), _along(orientation.forward, north))
+    return math.degrees(angle) % 360.0
 
 
-def weighted_heading(headings: list[float]) -> float:
+def weighted_heading(headings: Sequence[float]) -> float:
     """Of headings (degrees) in order of time: the newest weighs most, the oldest least, linearly."""
-    weights = np.arange(1, len(headings) + 1)
-    angles = np.radians(headings)
-    return float(np.degrees(np.arctan2(weights @ np.sin(angles), weights @ np.cos(angles)))) % 360.0
+    if len(headings) == 1:
+        return headings[0]
+    angles = [math.radians(one) for one in headings]
+    east = sum(weight * math.sin(angle) for weight, angle in enumerate(angles, 1))
+    north = sum(weight * math.cos(angle) for weight, angle in enumerate(angles, 1))
+    return math.degrees(math.atan2(east, north)) % 360.0
+
+
+def _along(axis: tuple[int, float], vector: Vector) -> float:
+    place, sign = axis
+    return sign * vector[place]

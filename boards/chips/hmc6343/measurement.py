@@ -30,8 +30,10 @@ class Measurements:
         self._error_ppb = error_ppb
         self._clock: Oscillator | None = None
         self._done = 0
+        self.until_ns = 0
+        """Nothing new is measured before."""
         self.rate_hz = 5
-        self.rows: deque[NDArray[np.float64]] = deque(maxlen=1)
+        self.rows: deque[list[float]] = deque(maxlen=1)
         """Force, field, temperature; the newest last."""
         self._low: NDArray[np.float64] | None = None
         self._high = np.zeros(3)
@@ -39,6 +41,7 @@ class Measurements:
     def reset(self, rate_hz: int, depth: int) -> None:
         """Nothing measured yet; `depth` measurements are kept."""
         self._clock = None
+        self.until_ns = 0
         self.rate_hz = rate_hz
         self.rows = deque(maxlen=depth)
         self._low = None
@@ -53,11 +56,13 @@ class Measurements:
         period = Oscillator(self.rate_hz, 0, self._error_ppb).instant(1)
         self._clock = Oscillator(self.rate_hz, first_ns - period, self._error_ppb)
         self._done = 0
+        self.until_ns = 0
 
     def set_clock_error(self, time_ns: int, error_ppb: int) -> None:
         """Another error of the clock from now on."""
         self.advance(time_ns)
         self._error_ppb = error_ppb
+        self.until_ns = 0
         if self._clock is not None:
             self._clock.pull(time_ns, self.rate_hz, error_ppb)
 
@@ -71,26 +76,36 @@ class Measurements:
         clock = self._clock
         return None if clock is None else clock.instant(clock.tick(time_ns) + 1)
 
-    def advance(self, time_ns: int) -> None:
-        """Take the measurements up to a time: all while a calibration runs, else those that are kept."""
+    def advance(self, time_ns: int) -> bool:
+        """Take the measurements up to a time: all while a calibration runs, else those that are kept.
+
+        Tells whether `rows` may have changed."""
         clock = self._clock
-        if clock is None:
-            return
+        if clock is None or time_ns < self.until_ns:
+            return False
         tick = clock.tick(time_ns)
+        self.until_ns = clock.instant(tick + 1)
         if self._low is None:
             assert self.rows.maxlen is not None
             self._done = max(self._done, tick - self.rows.maxlen)
         while self._done < tick:
             count = min(tick - self._done, _LONGEST_BLOCK)
-            values = self._world.sample(clock.grid(self._done + 1, 1, count))
+            values = self._world.sample(self._instants(clock, count))
             if not self._done:
                 self.rows.clear()  # the filter begins anew
             self._done += count
-            self.rows.extend(values)
+            self.rows.extend(values.tolist())
             if self._low is not None:
                 counts = magnetometer_counts(values[:, _FIELD])
                 self._low = np.minimum(self._low, counts.min(axis=0))
                 self._high = np.maximum(self._high, counts.max(axis=0))
+        return True
+
+    def _instants(self, clock: Oscillator, count: int) -> NDArray[np.int64]:
+        """Of the next measurements."""
+        if count == 1:
+            return np.array([clock.instant(self._done + 1)], np.int64)
+        return clock.grid(self._done + 1, 1, count)
 
     # -- calibration -------------------------------------------------------------------------------
 
