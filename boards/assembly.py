@@ -13,6 +13,7 @@ from typing import Any, Protocol
 
 from boards.chips.world import CompassWorld, GnssWorld, ImuWorld, TenDofWorld
 from boards.description import Board, Chip, Processor
+from boards.interconnects import Ends, build, ends_of
 from boards.machine import Machine
 from boards.sense import Sense
 from boards.validation import DescriptionError
@@ -80,6 +81,8 @@ class AssembledBoard:
     nets: dict[str, Net] = field(default_factory=dict)
     logs: dict[str, EmulatedLogFile] = field(default_factory=dict)
     ports: dict[str, EmulatedUart] = field(default_factory=dict)
+    interconnects: dict[str, Ends] = field(default_factory=dict)
+    """Of each interconnect the ends, by processor."""
     _can_ports: dict[str, EmulatedCanController] = field(default_factory=dict)
 
     @property
@@ -133,7 +136,7 @@ def _cpu(board: AssembledBoard, name: str, processor: Processor) -> EmulatedCpu:
 
 
 def _wires(board: AssembledBoard) -> None:
-    """Buses, UARTs and CAN with their controllers."""
+    """Buses, UARTs and CAN with their controllers, and what joins the processors."""
     description = board.description
     for name, bus in description.buses.items():
         cpu = board.cpus[bus.processor]
@@ -153,6 +156,8 @@ def _wires(board: AssembledBoard) -> None:
         board.can_buses[name] = EmulatedCanBus(board.time, can.bitrate, name)
         node = EmulatedCanController(board.cpus[can.processor], board.can_buses[name], can.processor)
         board._can_ports[name] = node
+    for name, interconnect in description.interconnects.items():
+        board.interconnects[name] = build(name, interconnect, board.cpus)
 
 
 def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Surroundings) -> None:
@@ -267,6 +272,7 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
         captures={name: EmulatedCaptureTimer(cpu, net) for name, net in nets("capture").items()},
         timers={name: EmulatedPeriodicTimer(cpu) for name in mine(description.timers)},
         logs={name: board.logs[name] for name in mine(description.logs)},
+        **ends_of(processor, description.interconnects, board.interconnects),
     )
 
 

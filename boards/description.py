@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveInt, model_validator
+from pydantic import BaseModel, ConfigDict, Field, FiniteFloat, PositiveInt, field_validator, model_validator
 
 from boards.places import board_folder
 from boards.validation import read_toml, validated
@@ -134,6 +134,39 @@ class Pin(Owned):
     wired: bool = True
 
 
+class MemoryEnd(Facts):
+    """One processor's end of a dual-port memory."""
+
+    access_ns: int = Field(ge=1, le=100_000, examples=[30])
+    """Of one word; of a bus with set-up, strobe and hold all three."""
+
+
+class DualPort(Facts):
+    """A dual-port memory between two processors, with a mailbox each way."""
+
+    kind: Literal["dual-port"]
+    words: int = Field(ge=1, le=1 << 24, examples=[4096])
+    word_bits: Literal[16, 32] = 32
+    ends: dict[str, MemoryEnd] = Field(examples=[{"fpga": {"access_ns": 20}, "dsp": {"access_ns": 30}}])
+    """By processor."""
+
+    @field_validator("ends")
+    @classmethod
+    def _joins_two(cls, value: dict[str, MemoryEnd]) -> dict[str, MemoryEnd]:
+        if len(value) != 2:
+            raise ValueError(f"names {len(value)} processors; a dual-port memory joins two")
+        return value
+
+    @property
+    def processors(self) -> tuple[str, ...]:
+        """Those that it joins."""
+        return tuple(self.ends)
+
+
+Interconnect = DualPort
+"""What joins two processors; a second kind makes this a union that `kind` decides."""
+
+
 class Board(Facts):
     """A whole board."""
 
@@ -149,6 +182,7 @@ class Board(Facts):
     logs: dict[str, Owned] = {}
     pins: dict[str, Pin] = {}
     timers: dict[str, Owned] = {}
+    interconnects: dict[str, Interconnect] = {}
     profiles: dict[str, dict[str, Any]] = Field(min_length=1)
 
     @model_validator(mode="after")
@@ -166,11 +200,15 @@ class Board(Facts):
         _must_be_plain("processors", self.processors)
         _must_be_plain("chips", self.chips)
         _must_be_plain("profiles", self.profiles)
+        _must_be_plain("interconnects", self.interconnects)
         for heading, processor in self.processors.items():
             _must_be_plain(f"processors.{heading}.tasks", processor.tasks)
         for table in owned.values():
             for name, part in table.items():
                 _must_be_known("processor", part.processor, self.processors, name)
+        for name, interconnect in self.interconnects.items():
+            for end in interconnect.processors:
+                _must_be_known("processor", end, self.processors, name)
         for refdes, chip in self.chips.items():
             if (chip.bus is None) == (chip.uart is None):
                 raise ValueError(f"chip {refdes} must name either a bus or a uart")

@@ -7,6 +7,7 @@ from typing import Any, Protocol
 from hal.can import CanController
 from hal.clock import Clock
 from hal.cpu import Cpu
+from hal.dual_port import DualPortMemory
 from hal.i2c import I2cBus
 from hal.interrupts import InterruptController
 from hal.pins import InputPin, OutputPin
@@ -58,6 +59,8 @@ class BoardIo:
     captures: Mapping[str, CaptureTimer] = field(default_factory=dict)
     timers: Mapping[str, PeriodicTimer] = field(default_factory=dict)
     logs: Mapping[str, LogFile] = field(default_factory=dict)
+    memories: Mapping[str, DualPortMemory] = field(default_factory=dict)
+    """This processor's side of each."""
 
     def __post_init__(self) -> None:
         for kind in fields(self):

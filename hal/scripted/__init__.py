@@ -12,6 +12,7 @@ The first thing that differs raises an AssertionError that shows both sides; so 
 
 from hal.scripted.can import ScriptedCan
 from hal.scripted.cpu import ScriptedCpu, ScriptedLine
+from hal.scripted.dual_port import ScriptedDualPort
 from hal.scripted.i2c import ScriptedI2c
 from hal.scripted.pins import ScriptedInput, ScriptedOutput
 from hal.scripted.spi import ScriptedSpi
@@ -25,6 +26,7 @@ __all__ = [
     "ScriptedCan",
     "ScriptedCapture",
     "ScriptedCpu",
+    "ScriptedDualPort",
     "ScriptedI2c",
     "ScriptedInput",
     "ScriptedLine",

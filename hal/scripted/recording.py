@@ -4,9 +4,9 @@
     chip = Bmi160(recording.spi("imu", device), recording.cpu(cpu), config)
 
 The file then is what `Transcript` reads, so that the test body that made it runs again without the
-hardware. Written down are SPI, I²C, what goes out and comes in on UART and CAN, output pins and delays.
-Readings of the clock are not: a scripted clock moves by the delays. Nor are interrupts of pins, timers and
-captures, which a program that sleeps would wait for.
+hardware. Written down are SPI, I²C, dual-port memories, what goes out and comes in on UART and CAN, output
+pins and delays. Readings of the clock are not: a scripted clock moves by the delays. Nor are interrupts of
+pins, timers and captures, which a program that sleeps would wait for.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import TextIO
 
 from hal.can import CanController, CanFrame
 from hal.cpu import Cpu
+from hal.dual_port import DualPortMemory
 from hal.errors import BusError, ErrorKind
 from hal.i2c import I2cBus
 from hal.interrupts import InterruptLine
@@ -59,6 +60,10 @@ class Recording:
     def can(self, name: str, controller: CanController) -> RecordingCan:
         """A controller whose frames are written down."""
         return RecordingCan(self, name, controller)
+
+    def memory(self, name: str, side: DualPortMemory) -> RecordingDualPort:
+        """A side of a dual-port memory whose accesses are written down."""
+        return RecordingDualPort(self, name, side)
 
     def output(self, name: str, pin: OutputPin) -> RecordingOutput:
         """A pin whose levels are written down."""
@@ -182,6 +187,43 @@ class RecordingCan:
         if frame is not None:
             self._recording.write(f"<- can {self._name} {_frame_words(frame)}")
         return frame
+
+
+class RecordingDualPort:
+    """Implements `hal.dual_port.DualPortMemory`. Rings are written down when the firmware learns of them."""
+
+    def __init__(self, recording: Recording, name: str, side: DualPortMemory) -> None:
+        self.words = side.words
+        self.word_bytes = side.word_bytes
+        self.interrupt_on_ring: Callable[[InterruptLine], None] = side.interrupt_on_ring
+        self._recording = recording
+        self._name = name
+        self._side = side
+        self._rung = 0
+
+    def read(self, address: int, count: int) -> bytes:
+        """Read words."""
+        data = self._side.read(address, count)
+        self._recording.write(f"memory {self._name} read {address} {count} -> {hex_words(data)}")
+        return data
+
+    def write(self, address: int, data: bytes) -> None:
+        """Write words."""
+        self._side.write(address, data)
+        self._recording.write(f"memory {self._name} write {address} {hex_words(data)}")
+
+    def ring(self, value: int) -> None:
+        """Interrupt the other side."""
+        self._side.ring(value)
+        self._recording.write(f"memory {self._name} ring {value}")
+
+    def rung(self) -> int:
+        """The word in the mailbox."""
+        value = self._side.rung()
+        if value != self._rung:
+            self._rung = value
+            self._recording.write(f"<- memory {self._name} ring {value}")
+        return value
 
 
 class RecordingOutput:

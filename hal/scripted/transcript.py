@@ -9,6 +9,9 @@ One step a line; `#` starts a comment, which also names the step in messages. By
     uart NAME write BYTES                       number taken (all of them without a reply)
     uart NAME baud RATE
     can NAME send ID BYTES                      full (queued without a reply); an ID with x is extended
+    memory NAME read ADDRESS N                  N words, as BYTES
+    memory NAME write ADDRESS BYTES
+    memory NAME ring VALUE
     pin NAME high|low
     timer NAME start RATE, timer NAME stop, capture NAME start
     log NAME append BYTES, log NAME sync        failed (done without a reply)
@@ -19,12 +22,13 @@ One step a line; `#` starts a comment, which also names the step in messages. By
     <- uart NAME BYTES          into the ring; pends the port's line (as the line falls idle)
     <- uart NAME errors N
     <- can NAME ID BYTES
+    <- memory NAME ring VALUE   into the mailbox; pends its line
     <- pin NAME high|low        pends the line of that edge
     <- line NAME                pends a line of the controller
     <- timer NAME, <- capture NAME CLOCK_NS
     <- time NS                  the clock moves on
 
-Reads without effect (`received`, `tx_free`, `read`, `captured`, `now_ns`) are not steps.
+Reads without effect (`received`, `tx_free`, `read` of a pin, `rung`, `captured`, `now_ns`) are not steps.
 """
 
 from __future__ import annotations
@@ -36,8 +40,8 @@ from types import TracebackType
 ANY = ".."
 Arrival = Callable[[list[str]], None]
 
-ACTIONS = ("spi", "i2c", "uart", "can", "pin", "timer", "capture", "log", "watchdog", "delay")
-ARRIVALS = ("uart", "can", "pin", "line", "timer", "capture", "time")
+ACTIONS = ("spi", "i2c", "uart", "can", "memory", "pin", "timer", "capture", "log", "watchdog", "delay")
+ARRIVALS = ("uart", "can", "memory", "pin", "line", "timer", "capture", "time")
 
 
 @dataclass(frozen=True)

@@ -120,6 +120,7 @@ def _parts(setup: Setup) -> dict[str, list[str]]:
             *board.buses,
             *(f"{name}.{direction}" for name in board.uarts for direction in ("rx", "tx")),
             *board.can,
+            *(f"{name}.{end}" for name, joined in board.interconnects.items() for end in joined.processors),
         ],
         "faults": [name_of(fault) for fault in setup.scenario.fault],
     }

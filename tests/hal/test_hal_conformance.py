@@ -4,11 +4,12 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
+import dual_port_benches
 import emulated_benches as emulated
 import pytest
 import scripted_benches as scripted
 
-from hal.conformance import can, clock, i2c, interrupts, pins, spi, storage, timers, uart, watchdog
+from hal.conformance import can, clock, dual_port, i2c, interrupts, pins, spi, storage, timers, uart, watchdog
 
 BENCHES: dict[ModuleType, dict[str, Callable[[], Any]]] = {
     spi: {"emulated": emulated.EmulatedSpi, "scripted": scripted.ScriptedSpiBench},
@@ -19,6 +20,10 @@ BENCHES: dict[ModuleType, dict[str, Callable[[], Any]]] = {
     interrupts: {"emulated": emulated.EmulatedInterrupts, "scripted": scripted.ScriptedInterrupts},
     clock: {"emulated": emulated.EmulatedClock, "scripted": scripted.ScriptedClock},
     timers: {"emulated": emulated.EmulatedTimers, "scripted": scripted.ScriptedTimers},
+    dual_port: {
+        "emulated": dual_port_benches.EmulatedDualPortBench,
+        "scripted": dual_port_benches.ScriptedDualPortBench,
+    },
     storage: {"emulated": emulated.EmulatedStorage, "scripted": scripted.ScriptedStorage},
     watchdog: {"emulated": emulated.EmulatedWatchdogBench},
 }
