@@ -19,14 +19,15 @@ $(STAMP): pyproject.toml
 	@test -n "$(PYTHON)" || { echo "navtwin needs Python 3.11 or newer; give one: make PYTHON=/path/to/python3"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check --upgrade pip
-	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev]'
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile --editable '.[dev]'
 	$(BIN)/python -m compileall -q boards firmware hal host
 	@touch $(STAMP)
 
 run: setup  ## the main job: the car_mems board on a simulated drive through town
 	$(BIN)/navtwin run car_mems --scenario town
 
-test: lint types arrows unit  ## lint, types, import arrows and tests
+test: lint arrows  ## lint, types, import arrows and tests
+	@$(MAKE) --no-print-directory -j 2 types unit
 
 lint: setup
 	$(BIN)/ruff check .

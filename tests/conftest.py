@@ -1,0 +1,40 @@
+"""How the tests are shared out among worker processes (`pytest -n 2`).
+
+A folder goes to one worker as a whole: its tests share runs, compiled kernels and imports, which two workers
+would make twice. What takes long begins first, so that both workers end together.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+LONGEST_FIRST = ("dialect",)
+"""Folders by their time; all others come after them by name."""
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    if config.getoption("dist") != "load":
+        return None
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByFolder(LoadScopeScheduling):
+        def _split_scope(self, nodeid: str) -> str:
+            return folder_of(nodeid)
+
+    config.option.loadscopereorder = False
+    return ByFolder(config, log)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    items.sort(key=lambda item: place_of(folder_of(item.nodeid)))
+
+
+def folder_of(nodeid: str) -> str:
+    return nodeid.partition("::")[0].rpartition("/")[0].removeprefix("tests/").partition("/")[0]
+
+
+def place_of(folder: str) -> int:
+    return LONGEST_FIRST.index(folder) if folder in LONGEST_FIRST else len(LONGEST_FIRST)
