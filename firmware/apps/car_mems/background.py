@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from firmware.apps.car_mems.acquisition import Acquisition
-from firmware.apps.car_mems.announcements import Announcer
+from firmware.apps.car_mems.clock_watch import ClockWatch
 from firmware.apps.car_mems.gnss_port import GnssPort
 from firmware.apps.car_mems.navigation import Navigation
-from firmware.apps.car_mems.output import Output
+from firmware.apps.gnss_ins.announcements import Announcer
+from firmware.apps.gnss_ins.output import Output
 from firmware.drivers.bmi160 import Outcome
-from firmware.nav import layout
 from hal.board_io import BoardIo
 
 RATE_HZ = 10
@@ -37,6 +37,7 @@ class Background:
         self._acquisition = acquisition
         self._output = output
         self._announcer = announcer
+        self._clocks = ClockWatch(navigation, gnss, output)
         self._health_cost = io.cpu.cost("health_check")
         self._tick_line = io.interrupts.attach("background_tick", self._on_tick)
         self._led = io.outputs["led"]
@@ -86,7 +87,7 @@ class Background:
 
     def _show_state(self) -> None:
         """Without samples nothing drives the output: each epoch that moved the state is shown from here."""
-        state_ns = int(self._navigation.i[layout.TIME])
+        state_ns = self._navigation.state_ns
         if state_ns > self._shown_ns:
             self._shown_ns = state_ns
             self._output.send()
@@ -105,6 +106,7 @@ class Background:
                 self._imu_is_well()
         self._output.send_slow()
         self._announcer.look_at_line()
+        self._clocks.look()
 
     def _imu_is_well(self) -> None:
         if self._start_said is not Outcome.OK:

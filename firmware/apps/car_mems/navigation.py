@@ -1,8 +1,4 @@
-"""The navigation task: samples and GNSS epochs go in, the state of the vehicle is kept.
-
-Its memory is two flat arrays, `f` and `i`, laid out by `firmware.nav.layout`; behind what navigation needs
-`i` also holds the sample clock and `f` the ten-sample mean.
-"""
+"""The navigation task: samples and GNSS epochs go in, the state of the vehicle is kept."""
 
 from __future__ import annotations
 
@@ -17,30 +13,22 @@ from numpy.typing import NDArray
 from firmware.apps.car_mems.sample_clock import CLOCK_SIZE, MISSED, REPEATED, reset_clock
 from firmware.apps.car_mems.settings import Settings
 from firmware.apps.car_mems.steps import APP_SIZE, CLOCK_AT, MEAN_AT
+from firmware.apps.gnss_ins.navigation import NavigationState, StateKernels
 from firmware.drivers.bmi160_sample import METRE_PER_S2_PER_LSB, RAD_PER_LSB, RANGE_END
-from firmware.nav import layout
-from firmware.nav import solution as record
-from firmware.nav.config import NavConfig, configure
-from firmware.nav.flags import NAVIGATING
+from firmware.nav.config import NavConfig
 from firmware.numerics.dialect import entry_point
 from firmware.numerics.precision import load
 
 MEAN_PERIOD = 0.1
 
 
-class NavigationKernels:
+class NavigationKernels(StateKernels):
     """The compiled code that navigation calls, in the profile's precision: what is in flash."""
 
     def __init__(self, precision: str) -> None:
+        super().__init__(precision)
         self._steps = load("firmware.apps.car_mems.steps", precision)
-        solution = load("firmware.nav.solution", precision)
-        self.real = np.dtype(precision)
-        self.gnss_step = entry_point(load("firmware.nav.gnss", precision).gnss_step)
         self.temperature_step = entry_point(load("firmware.nav.temperature", precision).temperature_step)
-        self.solution = entry_point(solution.solution)
-        self.covariance = entry_point(solution.covariance)
-        self.innovation = entry_point(solution.innovation)
-        self.biases = entry_point(solution.biases)
 
     @functools.cached_property
     def data_ready_step(self) -> Callable[..., int]:
@@ -53,27 +41,14 @@ class NavigationKernels:
         return entry_point(self._steps.timer_sample)
 
 
-class Navigation:
-    """State and entry points; every method is one kernel call."""
+class Navigation(NavigationState):
+    """State and entry points. Behind what navigation needs, `i` also holds the sample clock and `f` the
+    ten-sample mean."""
 
     def __init__(self, kernels: NavigationKernels, config: NavConfig) -> None:
-        real = kernels.real
-        self.f: NDArray[Any] = np.zeros(MEAN_AT + APP_SIZE, real)
-        self.i: NDArray[np.int64] = np.zeros(CLOCK_AT + CLOCK_SIZE, np.int64)
-        configure(self.f, self.i, config)
+        super().__init__(kernels, config, MEAN_AT + APP_SIZE, CLOCK_AT + CLOCK_SIZE)
         reset_clock(self.i, CLOCK_AT)
         self.kernels = kernels
-        self._solution = kernels.solution
-        self.floats = np.zeros(record.SOLUTION_FLOATS, real)
-        self.integers = np.zeros(record.SOLUTION_INTEGERS, np.int64)
-        self._covariance_out = np.zeros(record.COVARIANCE_FLOATS, real)
-        self._innovation_out = np.zeros(record.INNOVATION_FLOATS, real)
-        self._biases_out = np.zeros(record.BIAS_FLOATS, real)
-
-    def fill_solution(self) -> None:
-        """Bring `floats` and `integers` up to the present state."""
-        solution = self._solution
-        solution(self.f, self.i, self.floats, self.integers)
 
     def sample_step(self, mean: bool) -> Callable[..., int]:
         """The kernel that takes a sample: (f, i, burst, board time of the read)."""
@@ -86,27 +61,6 @@ class Navigation:
     def take_temperature(self, celsius: float) -> None:
         """The inertial sensor has this temperature."""
         self.kernels.temperature_step(self.f, self.i, celsius)
-
-    def covariance(self) -> NDArray[Any]:
-        """Upper triangle of the covariance of [δr, δv, φ], 45 values."""
-        self.kernels.covariance(self.f, self._covariance_out)
-        return self._covariance_out
-
-    def innovation(self) -> tuple[int, int, NDArray[Any]]:
-        """(validity on the board clock in ns, mask of used components, 6 innovations and 6 sigmas)."""
-        self.kernels.innovation(self.f, self._innovation_out)
-        i = self.i
-        return int(i[layout.INNOVATION_TIME]), int(i[layout.INNOVATION_MASK]), self._innovation_out
-
-    def biases(self) -> NDArray[Any]:
-        """b_g, b_a, mounting yaw and pitch, latency, and their sigmas: 18 values."""
-        self.kernels.biases(self.f, self._biases_out)
-        return self._biases_out
-
-    @property
-    def is_navigating(self) -> bool:
-        """Whether there is a navigation solution."""
-        return int(self.i[layout.MODE]) == NAVIGATING
 
     @property
     def samples_missed(self) -> int:

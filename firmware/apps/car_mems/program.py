@@ -10,20 +10,16 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping
 from typing import Any
 
-import numpy as np
-
 from firmware.apps.car_mems.acquisition import Acquisition
-from firmware.apps.car_mems.announcements import Announcer
 from firmware.apps.car_mems.background import Background
 from firmware.apps.car_mems.gnss_port import GnssPort
 from firmware.apps.car_mems.navigation import Navigation, NavigationKernels, nav_config
-from firmware.apps.car_mems.output import Output
 from firmware.apps.car_mems.raw_loop import RawLoop
 from firmware.apps.car_mems.raw_output import ToldNavigation, check_baud
 from firmware.apps.car_mems.settings import Settings
-from firmware.nav import layout
+from firmware.apps.gnss_ins.announcements import Announcer
+from firmware.apps.gnss_ins.output import Output
 from hal.board_io import BoardIo
-
 
 def program(io: BoardIo, profile: Mapping[str, Any], installation: Mapping[str, Any]) -> CarMems:
     """The image in flash. Raises ValueError for a profile that no program could mean."""
@@ -57,7 +53,16 @@ class CarMems:
         self._navigation = navigation
         gnss = GnssPort(io, settings, navigation)
         acquisition = Acquisition(io, settings)
-        output = Output(io, settings, navigation, gnss, acquisition)
+        output = Output(
+            io,
+            navigation,
+            gnss,
+            acquisition,
+            port=io.uart["host"],
+            clock=io.clock,
+            task_frames=settings.task_frames,
+        )
+        gnss.updated = output.send_epoch
         tasks = NavigationTasks(io, settings, navigation, acquisition, output)
         announcer = Announcer(io.clock, gnss, output)
         background = Background(io, navigation, gnss, acquisition, output, announcer)
@@ -70,13 +75,13 @@ class CarMems:
     def spoil(self) -> None:
         """Leave NaN in the velocity, as a defective kernel would."""
         if self._navigation is not None:
-            self._navigation.f[layout.VELOCITY] = np.nan
+            self._navigation.spoil()
 
     def memory(self) -> bytes:
         """The navigation state as it lies in memory."""
         if self._navigation is None:
             return b""
-        return self._navigation.f.tobytes() + self._navigation.i.tobytes()
+        return self._navigation.memory()
 
 
 class NavigationTasks:

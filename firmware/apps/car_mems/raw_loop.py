@@ -16,8 +16,8 @@ from firmware.apps.car_mems.acquisition import Acquisition
 from firmware.apps.car_mems.bench import Bench
 from firmware.apps.car_mems.gnss_port import GnssPort
 from firmware.apps.car_mems.navigation import Navigation, NavigationKernels, nav_config
-from firmware.apps.car_mems.output import Output
 from firmware.apps.car_mems.settings import Settings
+from firmware.apps.gnss_ins.output import Output
 from firmware.drivers import gnss_epoch as gnss
 from firmware.drivers.bmi160_sample import BURST_LENGTH
 from firmware.link import frames
@@ -49,7 +49,12 @@ class RawLoop:
         io = self._bench.io()
         self._gnss = GnssPort(io, self._settings, self._navigation)
         self._output = Output(
-            io, self._settings, self._navigation, self._gnss, Acquisition(io, self._settings)
+            io,
+            self._navigation,
+            self._gnss,
+            Acquisition(io, self._settings),
+            port=io.uart["host"],
+            clock=io.clock,
         )
         self._step = self._navigation.sample_step(self._settings.strapdown == "mean")
 

@@ -6,9 +6,8 @@ later; whether it still stands is in the flags of every solution. Numbers belong
 
 from __future__ import annotations
 
-from firmware.apps.car_mems.gnss_port import GnssPort
-from firmware.apps.car_mems.output import Output
-from firmware.drivers.neo_m8n import Phase
+from firmware.apps.gnss_ins.output import Output
+from firmware.apps.gnss_ins.parts import Receiver
 from firmware.nav import flags
 from hal.clock import Clock
 
@@ -39,15 +38,15 @@ ALARMS = {
 class Announcer:
     """Looks at what the last output said, and says what is new."""
 
-    def __init__(self, clock: Clock, gnss: GnssPort, output: Output) -> None:
+    def __init__(self, clock: Clock, receiver: Receiver, output: Output) -> None:
         self._clock = clock
         self._modes = flags.MODE_NAMES
-        self._gnss = gnss
+        self._receiver = receiver
         self._output = output
         self._mode = 0
         self._flags = 0
         self._said_ns: dict[int, int] = {}
-        self._phase = gnss.phase
+        self._phase = receiver.phase_name
         self._bad_bytes = 0
         self._bad_said_ns = -AGAIN_NS
         self._line_is_bad = False
@@ -64,28 +63,28 @@ class Announcer:
             output.send_text(f"mode: {self._modes[self._mode]}")
         if output.flags != self._flags and self._has_navigated:
             self._tell_alarms(output.flags)
-        if self._gnss.phase is not self._phase:
-            self._phase = self._gnss.phase
-            output.send_text(f"receiver: {self._phase.value}")
+        if self._receiver.phase_name != self._phase:
+            self._phase = self._receiver.phase_name
+            output.send_text(f"receiver: {self._phase}")
         if output.card_works != self._card_works:
             self._card_works = output.card_works
             output.send_text("card: writing" if self._card_works else "card: cannot be written")
 
     def look_at_line(self) -> None:
         """Once a second: is what comes from the receiver full of errors?"""
-        bad_checksums, garbage = self._gnss.stream.line_errors()
-        port_errors = self._gnss.port_errors
+        bad_checksums, garbage = self._receiver.line_errors()
+        port_errors, is_running = self._receiver.port_errors, self._receiver.is_running
         bad = bad_checksums * BAD_BYTES + garbage + port_errors * PORT_ERROR_WEIGHT
         grown, self._bad_bytes = bad - self._bad_bytes, bad
         now_ns = self._clock.now_ns()
-        if grown >= BAD_BYTES and self._phase is Phase.RUNNING and now_ns - self._bad_said_ns >= AGAIN_NS:
+        if grown >= BAD_BYTES and is_running and now_ns - self._bad_said_ns >= AGAIN_NS:
             self._bad_said_ns = now_ns
             self._line_is_bad = True
             counts = f"{bad_checksums} bad checksums, {garbage} bytes of garbage, {port_errors} port errors"
             self._output.send_text(f"receiver line disturbed: {counts} so far")
 
         self._good_looks = 0 if grown else self._good_looks + 1
-        if self._line_is_bad and self._good_looks >= GOOD_LOOKS and self._phase is Phase.RUNNING:
+        if self._line_is_bad and self._good_looks >= GOOD_LOOKS and is_running:
             self._line_is_bad = False
             self._output.send_text("receiver line is good again")
 

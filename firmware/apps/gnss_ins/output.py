@@ -4,18 +4,15 @@ from __future__ import annotations
 
 import struct
 
-from firmware.apps.car_mems.acquisition import Acquisition
-from firmware.apps.car_mems.gnss_port import GnssPort
-from firmware.apps.car_mems.navigation import Navigation
-from firmware.apps.car_mems.own_fix import own_fix
-from firmware.apps.car_mems.settings import Settings
+from firmware.apps.gnss_ins.own_fix import own_fix
+from firmware.apps.gnss_ins.parts import HostPort, Navigation, Receiver, Sensor
 from firmware.drivers import gnss_epoch as gnss
 from firmware.link import frames
 from firmware.link.nmea_output import NmeaWriter
 from firmware.link.solution_output import SolutionOutput
-from firmware.nav import layout
 from firmware.nav import solution as record
 from hal.board_io import BoardIo
+from hal.clock import Clock
 
 LOG_BLOCKS_A_SYNC = 8
 LOG_BLOCK = 4096
@@ -30,11 +27,15 @@ class Output:
     def __init__(
         self,
         io: BoardIo,
-        settings: Settings,
         navigation: Navigation,
-        gnss_port: GnssPort,
-        acquisition: Acquisition,
+        receiver: Receiver,
+        sensor: Sensor,
+        *,
+        port: HostPort,
+        clock: Clock,
+        task_frames: bool = False,
     ) -> None:
+        """`port`: the way to the host; `clock`: the board clock, which navigation's times are of."""
         self.dropped = 0
         self._room = 0
         self.card_works = True
@@ -42,27 +43,26 @@ class Output:
         self.mode = self.flags = 0
         """Of navigation, as they were told last."""
         self._navigation = navigation
-        self._gnss = gnss_port
-        self._acquisition = acquisition
-        self._uart = io.uart["host"]
+        self._receiver = receiver
+        self._sensor = sensor
+        self._port = port
         self._writer = frames.FrameWriter()
         self._cpu = io.cpu
-        self._clock = io.clock
+        self._clock = clock
         self._frame_cost = io.cpu.cost("solution_frame")
         self._slow_cost = io.cpu.cost("slow_frames")
-        self._log_cost = io.cpu.cost("log_block")
         self._can = io.can.get("can1")
         self._solution_output = SolutionOutput(self._writer)
-        self._can_cost = io.cpu.cost("can_set")
+        self._can_cost = 0 if self._can is None else io.cpu.cost("can_set")
         self._nmea = NmeaWriter()
         self._nmea_cost = io.cpu.cost("nmea_set")
-        self._task_figures = io.interrupts.figures if settings.task_frames else None
-        self._task_cost = io.cpu.cost("task_frames") if settings.task_frames else 0
+        self._task_figures = io.interrupts.figures if task_frames else None
+        self._task_cost = io.cpu.cost("task_frames") if task_frames else 0
         self._seconds = 0
         self._log = io.logs.get("sdcard")
+        self._log_cost = 0 if self._log is None else io.cpu.cost("log_block")
         self._log_buffer = bytearray()
         self._blocks_unsynced = 0
-        gnss_port.updated = self.send_epoch
 
     def send(self) -> None:
         """The solution at the output rate."""
@@ -89,7 +89,7 @@ class Output:
 
     def send_epoch(self) -> None:
         """After a filter update: the receiver's epoch and the innovations it made."""
-        packed = self._pack(frames.GNSS, *_told_of_epoch(self._gnss.latest))
+        packed = self._pack(frames.GNSS, *_told_of_epoch(self._receiver.latest))
         time_ns, mask, numbers = self._navigation.innovation()
         if mask:
             head = frames.INNOVATION_HEAD.pack(max(time_ns, 0) // 1000, mask)
@@ -101,7 +101,7 @@ class Output:
         """Once a second: covariance, slow states, status."""
         navigation, writer = self._navigation, self._writer
         now_us = self._clock.now_ns() // 1000
-        head = frames.TIME_HEAD.pack(max(int(navigation.i[layout.TIME]), 0) // 1000)
+        head = frames.TIME_HEAD.pack(max(navigation.state_ns, 0) // 1000)
         covariance = writer.numbers(frames.COVARIANCE, head, navigation.covariance())
         biases = writer.numbers(frames.BIAS, head, navigation.biases())
         solution = self._solution()
@@ -113,23 +113,23 @@ class Output:
 
     def _counters(self) -> tuple[int, ...]:
         """What STATUS counts."""
-        navigation, gnss_port = self._navigation, self._gnss
-        bad_checksums, garbage = gnss_port.stream.line_errors()
+        navigation, receiver, sensor = self._navigation, self._receiver, self._sensor
+        bad_checksums, garbage = receiver.line_errors()
         return (
-            gnss_port.epochs & 0xFFFFFFFF,
-            self._acquisition.reads & 0xFFFFFFFF,
+            receiver.epochs & 0xFFFFFFFF,
+            sensor.reads & 0xFFFFFFFF,
             navigation.samples_missed & 0xFFFFFFFF,
             navigation.samples_repeated & 0xFFFFFFFF,
             bad_checksums & 0xFFFF,
             garbage & 0xFFFF,
             self.dropped & 0xFFFF,
-            self._acquisition.starts & 0xFF,
-            int(gnss_port.pulse_dated),
+            sensor.starts & 0xFF,
+            int(receiver.pulse_dated),
         )
 
     def _send_sentences(self, floats: list[float], integers: list[int]) -> None:
         """NMEA of our own solution."""
-        e = self._gnss.latest
+        e = self._receiver.latest
         known = e[gnss.FLAGS] & gnss.HAS_HEIGHT and e[gnss.FLAGS] & gnss.HAS_HEIGHT_MSL
         fix = own_fix(
             floats,
@@ -155,18 +155,18 @@ class Output:
             self._cpu.spend(self._task_cost)
         self._seconds += 1
         if self._seconds % 5 == 0:
-            for frame in self._writer.satellites(now_us, self._gnss.stream.satellites()):
+            for frame in self._writer.satellites(now_us, self._receiver.satellites()):
                 self._send(frame)
 
     def look(self) -> None:
         """See how much room the port has, for `tell`; time passes."""
-        self._room = self._uart.tx_free()
+        self._room = self._port.tx_free()
 
     def tell(self, kind: int, payload: bytes) -> None:
         """A frame of the application's own type, dropped when `look` saw no room; no time passes."""
         frame = self._writer.frame(kind, payload)
         if self._room >= len(frame):
-            self._uart.write(frame)
+            self._port.write(frame)
         else:
             self.dropped += 1
         if self._log is not None:
@@ -202,8 +202,8 @@ class Output:
 
     def _send(self, data: bytes, count: int = 1) -> None:
         """`count`: how many frames or sentences this is."""
-        if self._uart.tx_free() >= len(data):
-            self._uart.write(data)
+        if self._port.tx_free() >= len(data):
+            self._port.write(data)
         else:
             self.dropped += count
         if self._log is not None:
@@ -211,7 +211,7 @@ class Output:
 
     def _utc(self, time_ns: int) -> tuple[int, int]:
         """(UTC time of day in ms, date) of a board time, by the last dated epoch."""
-        epoch = self._gnss.latest
+        epoch = self._receiver.latest
         if not epoch[gnss.FLAGS] & gnss.HAS_TIME:
             return frames.NO_TIME_OF_DAY, frames.NO_DATE
         since_ms = (time_ns - epoch[gnss.VALID_NS]) // 1_000_000

@@ -1,0 +1,1 @@
+"""What the programs of all boards with a receiver and an inertial sensor share: output, words, dating."""
