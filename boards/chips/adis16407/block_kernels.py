@@ -16,8 +16,11 @@ Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 OUTPUTS: Final = 14
-FILTERED: Final = np.array((0, 1, 2, 3, 4, 5, 7, 8, 9), np.int64)
-"""Columns that go through the filter: force, rate, field."""
+COLUMNS: Final = 11
+"""Of the world."""
+UNFILTERED: Final = (6, 10)
+"""Those of them that do not go through the filter: temperature, pressure."""
+USUAL_TAPS: Final = 4
 WORLD_OF: Final = np.array((-1, 3, 4, 5, 0, 1, 2, 7, 8, 9, 10, 10, 6, -1), np.int64)
 """Of each output the column of the world; −1: a voltage."""
 BARO: Final = 10
@@ -28,30 +31,41 @@ FURTHEST: Final = 1.0e6
 """Counts are bounded here before they become integers; every output ends far below."""
 
 
-@njit(cache=True, error_model="numpy")
-def filter_block(raw: Floats, taps: int, stage: Floats, out: Floats) -> None:
-    """Two cascaded boxcar means of `taps`; before its first value the signal stood at it.
-
-    `stage`: room for n + taps − 1 values.
-    """
+@njit(cache=True, error_model="numpy", inline="always")
+def filter_rows(raw: Floats, taps: int, scaled: Floats, stage: Floats, out: Floats) -> None:
+    """The body of `filter_block`; sums go row by row, so that all columns of a row are worked off at once."""
     n = raw.shape[0]
     share = 1.0 / taps
     for row in range(n):
-        for column in range(raw.shape[1]):
-            out[row, column] = raw[row, column]
-    if taps == 1 or n == 0:
-        return
-    for column in FILTERED:
-        for row in range(n + taps - 1):
+        for column in range(COLUMNS):
+            scaled[row, column] = raw[row, column] * share
+    for row in range(n + taps - 1):
+        for column in range(COLUMNS):
             total = 0.0
             for back in range(taps):
-                total += raw[max(0, row - (taps - 1) - back), column] * share
-            stage[row] = total
-        for row in range(n):
+                total += scaled[max(0, row - (taps - 1) - back), column]
+            stage[row, column] = total * share
+    for row in range(n):
+        for column in range(COLUMNS):
             total = 0.0
             for back in range(taps):
-                total += stage[row + (taps - 1) - back] * share
+                total += stage[row + (taps - 1) - back, column]
             out[row, column] = total
+        for column in UNFILTERED:
+            out[row, column] = raw[row, column]
+
+
+@njit(cache=True, error_model="numpy")
+def filter_block(raw: Floats, taps: int, scaled: Floats, stage: Floats, out: Floats) -> None:
+    """Two cascaded boxcar means of `taps`; before its first value the signal stood at it.
+
+    `scaled`, `stage`: room for n and for n + taps − 1 rows. The four taps of power-on have code of their own,
+    with all loops over them unrolled.
+    """
+    if taps == USUAL_TAPS:
+        filter_rows(raw, USUAL_TAPS, scaled, stage, out)
+    else:
+        filter_rows(raw, taps, scaled, stage, out)
 
 
 @njit(cache=True, error_model="numpy")

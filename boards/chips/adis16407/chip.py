@@ -9,12 +9,14 @@ and written as of its beginning. The usual access, a burst of a sample that nobo
 
 from __future__ import annotations
 
+from bisect import bisect_right
+
 from boards.chips.adis16407.core import ALL_UNREAD, DEFECTS, SPI_ERROR, Core
 from boards.chips.adis16407.elements import elements
 from boards.chips.adis16407.flash import Flash
 from boards.chips.adis16407.pins import Pins, PinSide
 from boards.chips.adis16407.register_map import DIAG_STAT, GLOB_CMD, GPIO_CTRL, OUTPUTS, PROD_ID, REGISTERS
-from boards.chips.adis16407.sampler import STRIDE
+from boards.chips.adis16407.sampler import NEAR, STRIDE
 from boards.chips.adis16407.settings import is_slow
 from boards.chips.registers import AccessLog, AccessReport, ReportKind
 from boards.chips.world import TenDofWorld
@@ -74,6 +76,7 @@ class Adis16407:
         identity = (lot_id & 0xFFFF, lot_id >> 16, serial_number)
         error_ppb = round(clock_error_ppm * 1000.0)
         self._core = core = Core(world, self.log, error_ppb, Flash(flash_count), identity)
+        self._sampler = core.sampler
         core.sampler.elements = elements(name, g_effect_dps_per_g, accelerometer_places_mm)
         self.break_parts(*defects)
         core.set_analog(0, _volts(name, "supply_v", supply_v), _volts(name, "aux_adc_v", aux_adc_v))
@@ -208,28 +211,28 @@ class Adis16407:
 
     def transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
         """One chip-select low period; see `hal.emulated.spi.SpiSlave`."""
-        core = self._core
-        if mosi != BURST or not self._powered or start_ns < core.answers_ns:
-            return self._transaction(mosi, start_ns, end_ns)
-        if end_ns - start_ns != self._usual_burst_ns or start_ns - self._ended_ns < STALL_NS:
-            self._check_burst(start_ns, end_ns)
-        self._ended_ns = end_ns
-        sampler = core.sampler
-        if start_ns >= core.done_ns:
-            core.advance(start_ns)
-        elif start_ns >= sampler.next_ns:
-            if core.lasting_flags or not sampler.step(start_ns):
-                core.sample(start_ns)
-            else:
-                core.unread = ALL_UNREAD
-        if core.unread != ALL_UNREAD or core.diagnosis or core.overrides:
-            return self._words(mosi, start_ns)
-        core.unread = 0
-        row = sampler.row
-        words = sampler.image[row * STRIDE : (row + 1) * STRIDE] if row >= 0 else sampler.held
-        answer = self._answer
-        self._answer = words[-2:]
-        return answer + words
+        core, sampler = self._core, self._sampler
+        if (
+            mosi == BURST
+            and sampler.next_ns <= start_ns < sampler.smooth_until_ns
+            and end_ns - start_ns == self._usual_burst_ns
+            and start_ns - self._ended_ns >= STALL_NS
+            and start_ns < core.done_ns
+            and not (core.diagnosis or core.lasting_flags or core.overrides)
+        ):
+            first = sampler.row + 1
+            row = bisect_right(sampler.times, start_ns, first, first + NEAR)
+            next_ns = sampler.times[row]
+            if next_ns > start_ns:
+                self._ended_ns = end_ns
+                sampler.row = row - 1
+                sampler.next_ns = next_ns
+                core.unread = 0
+                words = sampler.image[(row - 1) * STRIDE : row * STRIDE]
+                answer = self._answer
+                self._answer = words[-2:]
+                return answer + words
+        return self._transaction(mosi, start_ns, end_ns)
 
     def _transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
         if not self._powered or self._held_in_reset:
@@ -247,8 +250,10 @@ class Adis16407:
             return bytes(len(mosi))
         core.advance(start_ns)
         words, rest = divmod(len(mosi), 2)
-        self._check_times(words, mosi[0] & 0xFE == GLOB_CMD and words > 1, start_ns, end_ns)
+        allowed = self._check_times(words, mosi[0] & 0xFE == GLOB_CMD and words > 1, start_ns, end_ns)
         miso = self._words(mosi, start_ns)
+        if mosi == BURST:
+            self._usual_burst_ns = end_ns - start_ns if allowed and not is_slow(core.registers.values) else -1
         if rest:
             core.diagnosis |= SPI_ERROR
             detail = "clocks are no multiple of 16: the last word is lost"
@@ -295,27 +300,30 @@ class Adis16407:
             self.log.report(ReportKind.PROTOCOL, "SPI", detail, time_ns)
         if words < len(OUTPUTS):
             self.log.report(ReportKind.PROTOCOL, "SPI", f"burst ended after {words} outputs", time_ns)
-        answers = b"".join(self._core.output(k).to_bytes(2, "big") for k in range(words))
+        core = self._core
+        if core.unread == ALL_UNREAD and words == len(OUTPUTS) and not (core.diagnosis or core.overrides):
+            core.unread = 0
+            answers = core.sampler.words
+        else:
+            answers = b"".join(core.output(k).to_bytes(2, "big") for k in range(words))
         self._answer = answers[-2:]
         return answers
 
     # -- timing ------------------------------------------------------------------------------------
 
-    def _check_burst(self, start_ns: int, end_ns: int) -> None:
-        self._check_times(BURST_WORDS, True, start_ns, end_ns)
-        duration_ns = end_ns - start_ns
-        slow = is_slow(self._core.registers.values)
-        allowed = (BURST_WORDS, duration_ns, True, slow) in self._vetted
-        self._usual_burst_ns = duration_ns if allowed and not slow else -1
-
-    def _check_times(self, words: int, burst: bool, start_ns: int, end_ns: int) -> None:
+    def _check_times(self, words: int, burst: bool, start_ns: int, end_ns: int) -> bool:
+        """Report what breaks a rule; returns whether a transaction may last so long."""
         slow = is_slow(self._core.registers.values)
         if start_ns - self._ended_ns < (SLOW_STALL_NS if slow else STALL_NS):
             self._late("pause between words too short: undefined, served", start_ns)
         self._ended_ns = end_ns
         key = (words, end_ns - start_ns, burst, slow)
-        if key not in self._vetted and self._within_limits(*key, start_ns):
+        if key in self._vetted:
+            return True
+        allowed = self._within_limits(*key, start_ns)
+        if allowed:
             self._vetted.add(key)
+        return allowed
 
     def _within_limits(self, words: int, duration_ns: int, burst: bool, slow: bool, start_ns: int) -> bool:
         limit = FASTEST_BURST_HZ if burst else FASTEST_HZ

@@ -45,6 +45,8 @@ Integers = NDArray[np.int64]
 STRIDE: Final = 28
 FAR: Final = 1 << 62
 FIRST_BLOCK, BLOCK, LONGEST_NS = 64, 2048, 4_000_000_000
+NEAR: Final = 8
+"""So many samples from the newest one on the next one that is read is looked for first."""
 MEMORY = 2 * 127 + 255
 """Samples before a block that its filter and alarms may look back at."""
 
@@ -86,6 +88,8 @@ class Sampler:
         """When the next sample comes."""
         self.quiet = True
         """No sample of the block raises a flag, and nobody sums."""
+        self.smooth_until_ns = 0
+        """Before that it is quiet, and NEAR further samples stand in the block; 0: it is not so."""
         self.summing = False
         self.total, self.count = np.zeros(3), 0
         """Gyro outputs (°/s) summed up."""
@@ -98,7 +102,11 @@ class Sampler:
         self._before = 0
         """Rows of `_raw` that lie before the block."""
         self._flags: Integers = np.empty(0, np.int64)
-        self._rates: Floats = np.empty((0, 3))
+        self._filtered: Floats = np.empty((0, 11))
+        self._rate_offset: Floats = np.zeros(3)
+        """°/s that calibration and self-test add to the gyros' outputs in the block."""
+        self._converted = 0
+        """The first row that `_filtered` and `_rate_offset` speak of; the one before shows `_held_rates`."""
         self._held_rates = [0.0, 0.0, 0.0]
 
     # -- control -----------------------------------------------------------------------------------
@@ -150,10 +158,11 @@ class Sampler:
         """Make the samples to come anew, after supply or ADC input changed too."""
         if self.times:
             done = self.row + 1
-            old, flags, rates = self.image, self._flags, self._rates
+            old, flags, self._held_rates = self.image, self._flags, self.newest_rates()
             self._convert()
             self.image = old[: done * STRIDE] + self.image[done * STRIDE :]
-            self._flags[:done], self._rates[:done] = flags[:done], rates[:done]
+            self._flags[:done] = flags[:done]
+            self._converted = done
 
     def sum_up(self, on: bool) -> None:
         """Begin or end to sum the gyros' outputs."""
@@ -161,6 +170,7 @@ class Sampler:
         if on:
             self.total, self.count = np.zeros(3), 0
         self.quiet = not on and not self._flags.any()
+        self._find_smooth()
 
     # -- reading -----------------------------------------------------------------------------------
 
@@ -171,14 +181,26 @@ class Sampler:
 
     def newest_rates(self) -> list[float]:
         """Gyro outputs in °/s."""
-        return self._rates[self.row].tolist() if self.row >= 0 else self._held_rates
+        if self.row < self._converted:
+            return self._held_rates
+        newest: list[float] = self._rates(slice(self.row, self.row + 1))[0].tolist()
+        return newest
+
+    def _rates(self, rows: slice) -> Floats:
+        return np.degrees(self._filtered[rows, RATE]) + self._rate_offset
 
     def step(self, time_ns: int) -> bool:
         """Go on to a time within the block, where no sample raises a flag; False: this is another case."""
         times = self.times
-        if not self.quiet or not times or time_ns >= times[-1] or self._clock is None:
+        if time_ns < self.smooth_until_ns:
+            first = self.row + 1
+            row = bisect_right(times, time_ns, first, first + NEAR)
+            if times[row] <= time_ns:
+                row = bisect_right(times, time_ns, row)
+        elif not self.quiet or not times or time_ns >= times[-1] or self._clock is None:
             return False
-        row = bisect_right(times, time_ns, self.row + 1)
+        else:
+            row = bisect_right(times, time_ns, self.row + 1)
         self.row = row - 1
         self.next_ns = times[row]
         return True
@@ -193,7 +215,7 @@ class Sampler:
             if not self.quiet:
                 flags |= int(np.bitwise_or.reduce(self._flags[self.row + 1 : to + 1]))
                 if self.summing:
-                    self.total += self._rates[self.row + 1 : to + 1].sum(axis=0)
+                    self.total += self._rates(slice(self.row + 1, to + 1)).sum(axis=0)
                     self.count += to - self.row
             self._move(to)
         return flags
@@ -206,7 +228,7 @@ class Sampler:
         self._take(np.array([time_ns], np.int64))
         self._move(0)
         if self.summing:
-            self.total += self._rates[0]
+            self.total += self._rates(slice(0, 1))[0]
             self.count += 1
         return int(self._flags[0])
 
@@ -228,8 +250,9 @@ class Sampler:
         self._raw = self._raw[max(0, taken - MEMORY) : taken]
         self._before = len(self._raw)
         self.times, self.image, self.row = [], b"", -1
-        self._flags, self._rates = np.empty(0, np.int64), np.empty((0, 3))
+        self._flags, self._converted = np.empty(0, np.int64), 0
         self.quiet = not self.summing
+        self.smooth_until_ns = 0
 
     def _load(self, wanted_ns: int) -> None:
         """The next block: short at first, long when nobody has looked for long."""
@@ -258,21 +281,28 @@ class Sampler:
         raw = self.elements.feel(self._raw[start:], setting, self._period / CLOCK_HZ)
         before = self._before - start
         filtered = np.empty_like(raw)
-        filter_block(raw, setting.taps, np.empty(len(raw) + setting.taps), filtered)
+        stage = np.empty((len(raw) + setting.taps, raw.shape[1]))
+        filter_block(raw, setting.taps, np.empty_like(raw), stage, filtered)
         counts = self._counts(filtered)
         image = np.empty(STRIDE * (len(raw) - before), np.uint8)
         image_block(counts[before:], _LOW, _HIGH, _MASK, NEW_DATA, image)
         self.image = image.tobytes()
-        self._rates = np.degrees(filtered[before:, RATE]) + self._rate_offset()
+        self._filtered, self._rate_offset, self._converted = filtered[before:], self._offset_dps(), 0
         flags = self._range_flags(raw[before:])
         for alarm in setting.alarms:
             source = counts if alarm.filtered else self._counts(raw)
             flags[raised(np.clip(source, _LOW, _HIGH)[:, alarm.column], alarm)[before:]] |= alarm.flag
         self._flags = flags
         self.quiet = not self.summing and not flags.any()
+        self._find_smooth()
 
-    def _rate_offset(self) -> Floats:
-        """°/s that calibration and self-test add to the gyros' outputs."""
+    def _find_smooth(self) -> None:
+        times = self.times
+        smooth = self.quiet and self._clock is not None and len(times) > NEAR
+        self.smooth_until_ns = times[-1 - NEAR] if smooth else 0
+
+    def _offset_dps(self) -> Floats:
+        """°/s that calibration and self-test add to the gyros' outputs by the present settings."""
         setting = self.conversion
         return np.array(setting.gyro_offset_dps) + SELF_TEST_DPS * setting.deflection
 
@@ -284,7 +314,7 @@ class Sampler:
         offset = np.zeros(OUTPUTS)
         offset[0] = self.supply_v / SUPPLY_V_PER_COUNT
         gain[1:4] = math.degrees(1.0) / rate_step
-        offset[1:4] = self._rate_offset() / rate_step
+        offset[1:4] = self._offset_dps() / rate_step
         gain[4:7] = 1.0 / (STANDARD_GRAVITY * G_PER_COUNT)
         offset[4:7] = SELF_TEST_G * setting.deflection / G_PER_COUNT + np.array(setting.accel_offset)
         gain[7:10] = np.array(setting.soft_iron) / TESLA_PER_COUNT
