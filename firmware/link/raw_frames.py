@@ -19,6 +19,7 @@ RAW_EPOCH: Final = 0x12
 RAW_TEMPERATURE: Final = 0x13
 RAW_CLOCK: Final = 0x14
 RAW_STATE: Final = 0x15
+RAW_WANTED: Final = 0x16
 
 RAW_FORMAT: Final = 1
 
@@ -33,6 +34,9 @@ INPUTS: Final = {
 steps between two solutions, floats and integers in the state, CRC-16 of that memory, board clock in µs.
 IMU: number, board clock at the read in ns, the sensor's burst. EPOCH: number, count and time of the
 TIMEPULSE edge when the epoch was dated, the epoch's record. TEMPERATURE: number, °C. CLOCK: number."""
+
+WANTED: Final = Struct("<I")
+"""Of a loop that is fed: number of the input that should come now, after one that did not follow."""
 
 SLICE_HEAD: Final = Struct("<IHH")
 """STATE: number of the next input when the copy was made, number of this slice, slices of the copy."""

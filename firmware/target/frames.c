@@ -16,39 +16,47 @@ static uint32_t crc_add(uint32_t crc, uint8_t byte)
     return crc >> 4 ^ table[crc & 15];
 }
 
-uint32_t frame_read(uint8_t *frame)
+uint8_t frame[FRAME_LIMIT] __attribute__((aligned(8)));
+
+static uint32_t length, left, code = FIRST;
+static int whole = 1;
+
+static void take_decoded(uint8_t byte)
 {
-    uint32_t length = 0, left = 0, code = FIRST, crc = 0xFFFFFFFFu;
-    int whole = 1;
-    for (;;) {
-        uint8_t byte = serial_read();
-        if (byte == 0) {
-            if (code == FIRST)
-                continue; /* nothing stood between two ends */
-            break;
-        }
-        if (left == 0) {
-            if (code < FULL) {
-                if (length < FRAME_LIMIT)
-                    frame[length++] = 0;
-                else
-                    whole = 0;
-            }
-            code = byte;
-            left = byte - 1u;
-        } else {
-            if (length < FRAME_LIMIT)
-                frame[length++] = byte;
-            else
-                whole = 0;
-            left--;
-        }
-    }
-    if (!whole || left != 0 || length < FRAME_HEAD + FRAME_TAIL)
-        return 0;
-    for (uint32_t n = 0; n < length; n++)
+    if (length < FRAME_LIMIT)
+        frame[length++] = byte;
+    else
+        whole = 0;
+}
+
+static int32_t end_frame(void)
+{
+    uint32_t crc = 0xFFFFFFFFu, size = length;
+    int sound = whole && left == 0 && size >= FRAME_HEAD + FRAME_TAIL;
+    length = left = 0;
+    code = FIRST;
+    whole = 1;
+    if (!sound)
+        return FRAME_DAMAGED;
+    for (uint32_t n = 0; n < size; n++)
         crc = crc_add(crc, frame[n]);
-    return crc == 0xDEBB20E3u ? length - FRAME_TAIL : 0; /* the residue of a whole frame */
+    return crc == 0xDEBB20E3u ? (int32_t)size - FRAME_TAIL : FRAME_DAMAGED; /* the residue of a whole frame */
+}
+
+int32_t frame_take(uint8_t byte)
+{
+    if (byte == 0)
+        return code == FIRST ? FRAME_UNFINISHED : end_frame(); /* FIRST: nothing stood between two ends */
+    if (left == 0) {
+        if (code < FULL)
+            take_decoded(0);
+        code = byte;
+        left = byte - 1u;
+    } else {
+        take_decoded(byte);
+        left--;
+    }
+    return FRAME_UNFINISHED;
 }
 
 /* One COBS block: up to 254 bytes without a zero, kept until its length is known. */
@@ -74,13 +82,13 @@ static void put(uint8_t byte)
         end_block();
 }
 
-void frame_write(const uint8_t *frame, uint32_t length)
+void frame_write(const uint8_t *bytes, uint32_t size)
 {
     uint32_t crc = 0xFFFFFFFFu;
     held = 0;
-    for (uint32_t n = 0; n < length; n++) {
-        crc = crc_add(crc, frame[n]);
-        put(frame[n]);
+    for (uint32_t n = 0; n < size; n++) {
+        crc = crc_add(crc, bytes[n]);
+        put(bytes[n]);
     }
     crc = ~crc;
     for (int n = 0; n < FRAME_TAIL; n++, crc >>= 8)

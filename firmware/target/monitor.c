@@ -21,13 +21,11 @@
 #include "clock.h"
 #include "frames.h"
 #include "kernels.h"
-#include "serial.h"
 #include <string.h>
 
 enum { HELLO = 1, WRITE, READ, ARRAY, CALLS, RESULTS, ANSWER = 0x80, REFUSAL = 0xFF };
 enum { VERSION = 1, DAMAGED = 1, REFUSED = 2, ANSWER_LIMIT = 4096, CALL_ANSWER = 12 };
 
-static uint8_t request[FRAME_LIMIT] __attribute__((aligned(8)));
 static uint8_t answer[ANSWER_LIMIT + FRAME_HEAD] __attribute__((aligned(8)));
 static uint32_t answer_length;
 static uint64_t results[RESULT_LIMIT];
@@ -191,31 +189,31 @@ static void refuse(uint8_t sequence, uint8_t reason)
 
 static void answer_to(uint32_t length)
 {
-    answer[0] = request[0] | ANSWER;
-    answer[1] = request[1];
+    answer[0] = frame[0] | ANSWER;
+    answer[1] = frame[1];
     answer_length = FRAME_HEAD;
-    at = request + FRAME_HEAD;
-    end = request + length;
+    at = frame + FRAME_HEAD;
+    end = frame + length;
     bad = 0;
-    serve(request[0]);
+    serve(frame[0]);
     if (bad)
-        refuse(request[1], REFUSED);
+        refuse(frame[1], REFUSED);
 }
 
-void monitor_run(void)
+int monitor_take(uint32_t length)
 {
-    int sequence = -1;
-    serial_start(clock_usart_hz, SERIAL_BAUD);
-    for (;;) {
-        uint32_t length = frame_read(request);
-        if (length == 0) {
-            static const uint8_t damaged[] = {REFUSAL, 0, DAMAGED};
-            frame_write(damaged, sizeof damaged); /* the last answer is kept: it may be asked for again */
-            continue;
-        }
-        if (request[0] == HELLO || request[1] != sequence)
-            answer_to(length);
-        sequence = request[1];
-        frame_write(answer, answer_length);
-    }
+    static int sequence = -1;
+    if (frame[0] != HELLO && sequence < 0)
+        return 0;
+    if (frame[0] == HELLO || frame[1] != sequence)
+        answer_to(length);
+    sequence = frame[1];
+    frame_write(answer, answer_length);
+    return 1;
+}
+
+void monitor_refuse_damaged(void)
+{
+    static const uint8_t damaged[] = {REFUSAL, 0, DAMAGED};
+    frame_write(damaged, sizeof damaged); /* the last answer is kept: it may be asked for again */
 }

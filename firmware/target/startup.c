@@ -1,7 +1,8 @@
-/* Vector table and start-up: memory, floating-point unit, clock, then the monitor. */
+/* Vector table and start-up: memory, floating-point unit, clock, then what the line asks for. */
 #include "clock.h"
-#include "monitor.h"
+#include "line.h"
 #include "registers.h"
+#include "serial.h"
 
 extern uint32_t data_start, data_end, data_load, bss_start, bss_end, stack_top;
 
@@ -14,8 +15,9 @@ static void stop(void)
     }
 }
 
-__attribute__((section(".vectors"), used)) static const void *const vectors[16] = {
+__attribute__((section(".vectors"), used)) static const void *const vectors[16 + 38] = {
     &stack_top, reset_handler, stop, stop, stop, stop, stop, 0, 0, 0, 0, stop, stop, 0, stop, stop,
+    [16 + 37] = serial_interrupt,
 };
 
 __attribute__((naked)) void reset_handler(void)
@@ -38,5 +40,6 @@ __attribute__((used, noreturn)) void start(void)
 #endif
     __asm__ volatile("vmsr fpscr, %0" ::"r"(fpscr));
     clock_start();
-    monitor_run();
+    serial_start(clock_usart_hz, SERIAL_BAUD);
+    line_serve();
 }

@@ -107,6 +107,10 @@ class SerialBoard:
         """The rate is right."""
         self._understood = True
 
+    def send(self, data: bytes) -> bool:
+        """To the board, if the queue has room for all of it."""
+        return self._link.free() >= len(data) and self._link.write(data) == len(data)
+
     def figures(self) -> dict[str, Any]:
         """Rate, bytes, losses of the port."""
         counters = self._link.counters

@@ -123,6 +123,14 @@ def board_command(
     no_shadow: Annotated[
         bool, typer.Option("--no-shadow", help="Show and record only; compare nothing.")
     ] = False,
+    feed: Annotated[
+        str | None,
+        typer.Option(
+            "--feed",
+            metavar="RUN|CAPTURE",
+            help="Raw frames of this recording go to the board, which has no sensors of its own.",
+        ),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Show, record and shadow a real board that speaks our link.
@@ -144,6 +152,7 @@ def board_command(
             out_dir=out,
             seconds=seconds,
             shadow=not no_shadow,
+            feed=feed,
         )
         return attach_board(request, json, quiet)
 

@@ -9,14 +9,17 @@ from typing import Any
 
 from rich.console import Console
 
+from hal.live.port import PortError
 from host.attach.board_recording import BoardRecording
 from host.attach.board_session import Attachment, BoardSession
 from host.attach.board_setup import BoardSetup, board_setup, setup_of_capture
 from host.attach.board_source import BoardSource, CapturedBoard, capture_at, open_serial
+from host.attach.fed_board import FedBoard, inputs_of
 from host.attach.shadow import Shadow
 from host.cli.attach_screen import ended_by_signals, screen
 from host.cli.exit_codes import EXIT_MET, EXIT_NOT_MET
 from host.cli.output_files import check_files, for_people, write_json
+from host.pil.image import BAUD as IMAGE_BAUD
 from host.record.errors import UserError
 from host.run.intake import HOST_PORT
 
@@ -35,19 +38,30 @@ class BoardRequest:
     out_dir: Path | None
     seconds: float | None
     shadow: bool
+    feed: str | None = None
+    """A run with raw frames, for a board without sensors of its own."""
 
 
 def attach_board(request: BoardRequest, json_to: str | None, quiet: bool) -> int:
     """Attach, print, write; the exit code. Raises UserError for what the user can mend."""
     check_files(("--json", json_to))
     capture = capture_at(request.port)
-    if capture is None:
+    fed = None if request.feed is None else capture_at(request.feed)
+    if request.feed is not None and (fed is None or capture is not None):
+        raise UserError(
+            f"--feed {request.feed}: a run's folder or capture is fed to a board on a port; for example"
+            " --port /dev/ttyUSB0 --feed runs/fed"
+        )
+    if fed is not None:
+        captured = CapturedBoard(fed, HOST_PORT)
+        setup = setup_of_capture(captured.manifest, request.board, request.profile, request.overrides)
+    elif capture is None:
         setup = board_setup(request.board or DEFAULT_BOARD, request.profile, request.overrides)
     else:
         captured = CapturedBoard(capture, HOST_PORT)
         setup = setup_of_capture(captured.manifest, request.board, request.profile, request.overrides)
     shadow = Shadow(setup.loop()) if request.shadow else None
-    source = captured if capture else open_serial(request.port, request.baud, setup.port_baud)
+    source = _source(request, setup, fed) if capture is None else captured
     console = for_people(json_to)
     try:
         attachment, out_dir = _attached(request, setup, source, shadow, quiet)
@@ -56,6 +70,16 @@ def attach_board(request: BoardRequest, json_to: str | None, quiet: bool) -> int
     _write(attachment, setup, json_to)
     _tell(console, setup, attachment, out_dir, quiet)
     return _verdict(attachment, request)
+
+
+def _source(request: BoardRequest, setup: BoardSetup, fed: Path | None) -> BoardSource:
+    if fed is None:
+        return open_serial(request.port, request.baud, setup.port_baud)
+    inputs = inputs_of(fed, str(request.feed))
+    try:
+        return FedBoard(request.port, request.baud or IMAGE_BAUD, inputs)
+    except PortError as error:
+        raise UserError(f"--port {error}") from None
 
 
 def _attached(

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.drivers.satellite_lists import SatelliteInView
-from host.link.raw import RawInput, RawSlice
+from host.link.raw import RawInput, RawSlice, RawWanted
 
 DYNAMIC_STATES = 9
 """δr NED, δv NED, φ in n."""
@@ -236,6 +236,7 @@ Message = (
     | Satellites
     | RawInput
     | RawSlice
+    | RawWanted
     | str
 )
 """A str is a TEXT, or an NMEA sentence."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from firmware.link.raw_frames import INPUTS, RAW_STATE, SLICE_HEAD
+from firmware.link.raw_frames import INPUTS, RAW_STATE, RAW_WANTED, SLICE_HEAD, WANTED
 
 
 class RawInput(NamedTuple):
@@ -24,7 +24,13 @@ class RawSlice(NamedTuple):
     data: bytes
 
 
-def open_raw(kind: int, payload: bytes) -> RawInput | RawSlice | None:
+class RawWanted(NamedTuple):
+    """A loop that is fed asks for the input `number`."""
+
+    number: int
+
+
+def open_raw(kind: int, payload: bytes) -> RawInput | RawSlice | RawWanted | None:
     """The message in a raw frame's payload; None when its type or length is not known."""
     layout = INPUTS.get(kind)
     if layout is not None:
@@ -35,4 +41,6 @@ def open_raw(kind: int, payload: bytes) -> RawInput | RawSlice | None:
     if kind == RAW_STATE and len(payload) > SLICE_HEAD.size:
         number, place, places = SLICE_HEAD.unpack_from(payload)
         return RawSlice(number, place, places, payload[SLICE_HEAD.size :])
+    if kind == RAW_WANTED and len(payload) == WANTED.size:
+        return RawWanted(*WANTED.unpack(payload))
     return None

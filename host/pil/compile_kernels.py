@@ -1,8 +1,9 @@
 """Compiles kernels to one object file, in a process of its own.
 
-    NUMBA_OPT=0 python -m host.pil.compile_kernels OBJECT [PLANT] < names
+    NUMBA_OPT=0 python -m host.pil.compile_kernels OBJECT [PLANT] < kernels
 
-Reads the full names of kernels from standard input, one a line; writes the object file and prints its
+Reads kernels from standard input, the full name and the signature of one a line; a kernel that is declared
+without one becomes an entry with it. Writes the object file and prints its
 findings as JSON: {"undefined": […], "fused": n, "hard_float": true, "llvm": …, "numba": …}.
 """
 
@@ -24,6 +25,7 @@ from host.pil.target_code import (
     HARD_FLOAT,
     LIBRARY_SYMBOLS,
     TargetMachine,
+    declared,
     make_pointer_kernel,
     undefined_symbols,
 )
@@ -33,12 +35,13 @@ def main(target: str, planted: str | None = None) -> None:
     """Compile what standard input names."""
     assert os.environ.get("NUMBA_OPT") == "0", "set NUMBA_OPT=0 before numba is imported"
     check_subnormals()
-    names = sys.stdin.read().split()
+    wanted = dict(line.split(" ", 1) for line in sys.stdin.read().splitlines())
     variant = KernelVariant("target", make_pointer_kernel)
-    for name in names:
+    for name in wanted:
         variant.load(name.rpartition(".")[0])
     machine = TargetMachine()
-    module = machine.module([variant.kernels[name] for name in names])
+    kernels = {name: variant.kernels[name] for name in wanted}
+    module = machine.module([declared(kernel, wanted[name]) for name, kernel in kernels.items()])
     if planted is not None:
         module = llvm.parse_assembly(plant(planted, str(module)))
     assembly = machine.llvm.emit_assembly(module)

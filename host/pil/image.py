@@ -16,9 +16,11 @@ from pathlib import Path
 from typing import Any
 
 import firmware.target
+from firmware.link.stand_alone import StandAlone
 from firmware.numerics.cache_folder import kernel_cache_folder, kernel_sources_hash
 from host.pil.kernel_table import TargetKernel, table_source
 from host.pil.planted import C_DEFINITIONS
+from host.pil.stand_alone import loop_source
 from host.pil.toolchain import COMPILER, check_library, run_tool, version_of
 from host.record.errors import UserError
 
@@ -57,16 +59,20 @@ class Image:
 
 
 def build_image(
-    kernels: Sequence[TargetKernel], planted: str | None = None, limit: int | None = None
+    kernels: Sequence[TargetKernel],
+    planted: str | None = None,
+    limit: int | None = None,
+    loop: StandAlone | None = None,
 ) -> Image:
-    """The image of these kernels, taken from the cache when it was built before.
+    """The image of these kernels, and of a navigation loop of them; from the cache when it was built before.
 
     `limit`: bytes of flash that it may take. Raises UserError for missing tools, and RuntimeError for kernels
     that leave symbols undefined, pass floats in integer registers or hold fused operations unasked.
     """
     compiler = version_of(COMPILER)
     check_library()
-    identity = _identity(kernels, compiler, planted)
+    loop_table = loop_source(loop, kernels)
+    identity = _identity(kernels, loop_table, compiler, planted)
     folder = kernel_cache_folder("target images")
     if folder is None:
         folder = Path(tempfile.mkdtemp(prefix="navtwin-image-"))
@@ -74,6 +80,7 @@ def build_image(
     told = path.with_suffix(".json")
     if not told.is_file():
         with tempfile.TemporaryDirectory(dir=folder) as place:
+            Path(place, "loop_table.c").write_text(loop_table, encoding="utf-8")
             _build(Path(place), kernels, identity, compiler, planted)
             for suffix in (*SUFFIXES, "json"):  # the last one says that the others are there
                 Path(place, f"image.{suffix}").replace(path.with_suffix(f".{suffix}"))
@@ -84,10 +91,10 @@ def build_image(
     return image
 
 
-def _identity(kernels: Sequence[TargetKernel], compiler: str, planted: str | None) -> str:
+def _identity(kernels: Sequence[TargetKernel], loop_table: str, compiler: str, planted: str | None) -> str:
     """16 hex digits over all that the image is made of."""
     monitor = [*SOURCES.glob("*.[ch]"), *SOURCES.glob("*.ld"), HERE / "kernel_table.py", HERE / "image.py"]
-    return _hash(monitor, (_identity_of_code(kernels, planted), planted, compiler, BAUD))
+    return _hash(monitor, (_identity_of_code(kernels, planted), loop_table, planted, compiler, BAUD))
 
 
 def _identity_of_code(kernels: Sequence[TargetKernel], planted: str | None) -> str:
@@ -114,8 +121,9 @@ def _build(
     table.write_text(table_source(kernels, identity), encoding="utf-8")
     definitions = (f"-DSERIAL_BAUD={BAUD}u", *C_DEFINITIONS.get(planted or "", ()))
     elf = place / "image.elf"
-    run_tool(COMPILER.program, *MACHINE, *COMPILE, *definitions, f"-I{SOURCES}", *sorted(SOURCES.glob("*.c")),
-             table, code, *LINK, f"-T{SOURCES / 'stm32f405.ld'}", "-o", elf)  # fmt: skip
+    sources = [*sorted(SOURCES.glob("*.c")), table, place / "loop_table.c"]
+    run_tool(COMPILER.program, *MACHINE, *COMPILE, *definitions, f"-I{SOURCES}", *sources, code, *LINK,
+             f"-T{SOURCES / 'stm32f405.ld'}", "-o", elf)  # fmt: skip
     _check_hard_float(elf)
     run_tool("arm-none-eabi-objcopy", "-O", "ihex", elf, place / "image.hex")
     run_tool("arm-none-eabi-objcopy", "-O", "binary", elf, place / "image.bin")
@@ -144,7 +152,7 @@ def _compiled(code: Path, kernels: Sequence[TargetKernel], planted: str | None) 
     paths = [str(root), *filter(None, [os.environ.get("PYTHONPATH")])]
     quiet = {"NUMBA_OPT": "0", "NUMBA_DISABLE_JIT": "0", "PYTHONPATH": os.pathsep.join(paths)}
     command = [sys.executable, "-m", "host.pil.compile_kernels", str(code), *([planted] if planted else [])]
-    names = "\n".join(kernel.name for kernel in kernels)
+    names = "\n".join(f"{kernel.name} {kernel.signature.text}" for kernel in kernels)
     done = subprocess.run(
         command,
         input=names,

@@ -15,6 +15,7 @@ from host.pil.image import Image, build_image
 from host.pil.lockstep import Counts, Lockstep
 from host.pil.monitor_link import MonitorLink, open_port
 from host.pil.qemu import emulated_board, instructions
+from host.pil.stand_alone import stand_alone_of
 from host.pil.toolchain import EMULATOR, version_of
 from host.pil.unit_trials import run_trials, unit_kernels
 from host.record.result import RunRequest
@@ -79,7 +80,8 @@ def image_of(request: RunRequest, planted: str | None = None, limit: int | None 
     """The image of a board and profile. Raises UserError."""
     setup, world = prepared(request)
     with user_errors():
-        return build_image(kernels_of(setup, world.another()), planted, limit)
+        loop = stand_alone_of(setup.board, setup.profile)
+        return build_image(kernels_of(setup, world.another()), planted, limit, loop)
 
 
 def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
@@ -89,10 +91,11 @@ def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
     setup, world = prepared(request.run)
     with user_errors():
         kernels = kernels_of(setup, world.another())
+        loop = None if request.unit else stand_alone_of(setup.board, setup.profile)
     if request.unit:
         kernels = unit_kernels(kernels)
     notice("building the image (a minute when the kernels are new) …")
-    image = build_image(kernels, request.planted)
+    image = build_image(kernels, request.planted, loop=loop)
     with _processor(image, request) as name:
         port = open_port(name)
         try:

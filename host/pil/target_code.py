@@ -40,8 +40,14 @@ def make_pointer_kernel(function: Any, signature: Signature | None) -> Any:
     dispatcher: Any = numba.njit(**options, **nothing_for_python)(function)
     if signature is None:
         compile_once_for_all_literals(dispatcher)
-    else:
-        declare_only(dispatcher, re.sub(r"(\w+)\[::1\]", r"CPointer(\1)", signature.text))
+        return dispatcher
+    return declared(dispatcher, signature.text)
+
+
+def declared(dispatcher: Any, signature: str) -> Any:
+    """A kernel with this signature, which inner kernels have not by themselves."""
+    if not hasattr(dispatcher, "compile_declared"):
+        declare_only(dispatcher, re.sub(r"(\w+)\[::1\]", r"CPointer(\1)", signature))
     return dispatcher
 
 
