@@ -3,11 +3,12 @@
     ω ← ω + ∫ω̇ dt                                                P ← P + Δt² q I
     z = ω_a ω_b + v   for (a, b) = (x, y), (y, z), (x, z)         H = ω_b at a, ω_a at b
 
-The variance of v is (σ_a / l)², q a few times that (slow errors of ω̇). Since z is bilinear its mean is ω̂_a ω̂_b + P_ab and its own spread
-P_aa P_bb + P_ab² is exact for a Gaussian state; both are used, so that a wide state is not believed beyond
-what a product can tell. S ≥ var v > 0 is the only divisor. About one axis the products bound the other two
-rates; the one turned about is then the integral. The update is Joseph's, P stays positive in float32.
-Products say nothing of the sign of ω as a whole: it comes from the beginning.
+The variance of v is (σ_a / l)², q a few times that (slow errors of ω̇). Since z is bilinear its mean is
+ω_a ω_b + P_ab and its own spread P_aa P_bb + P_ab², exact for a Gaussian state; with both, a wide state is
+not believed beyond what a product can tell. A rate that is not significant (below 4 σ) is no factor by which
+to learn the other: the noise of the filter's own estimate would pass for information. S ≥ var v > 0 is the
+only divisor. About one axis the products bound the other two rates; the third is then the integral. Joseph's
+update keeps P positive in float32. The sign of ω as a whole comes from the beginning.
 (Bar-Shalom, Li, Kirubarajan, Estimation with Applications to Tracking and Navigation (2001), sections 5.2
 and 10.3.)
 """

@@ -1,0 +1,89 @@
+"""GPS in the gyro-free filters: position and velocity, compared where the epoch is valid.
+
+While heading is not known its error turns the Earth rate to the wrong side, and tilt follows:
+
+    φ_E' = ω_N φ_D,  φ_N' = −ω_E φ_D,   ω_in = (Ω cos φ + v_E / R_N, −v_N / R_M, …)
+
+The core leaves this out: a heading known to a degree makes 0.3°/h of it. Without compass it is not small and
+is done here, a second at a time (rows 6 and 7 of U take from row 8, U stays triangular).
+
+The rows are those of the navigation core less the receiver's correlated error and its latency, which these
+filters do not have. Position (3) and velocity (3, or 2 from speed and course) pass a χ² gate each.
+"""
+
+import numpy as np
+
+from firmware.drivers import gnss_epoch as gnss
+from firmware.nav import layout as at
+from firmware.nav.earth import refresh_earth
+from firmware.nav.feedback import clear_correction, feed_back
+from firmware.nav.gnss_measurement import position_rows, velocity_rows
+from firmware.nav.gyro_free import layout as gl
+from firmware.nav.gyro_free.states import ALL, COMPASS_ERROR, X_COMPASS_ERROR
+from firmware.nav.heading import has_course
+from firmware.nav.history import correct_past, look_up
+from firmware.nav.measurement import absorb_group, clear_rows, weigh_group
+from firmware.nav.prediction import predict
+from firmware.numerics.dialect import kernel
+
+ZERO = np.float32(0.0)
+ONE = np.float32(1.0)
+LONGEST = np.float32(100.0)
+"""s; a longer pause is not worth a linear model."""
+THREE = np.int32(3)
+VELOCITY_ROW = 3
+
+
+@kernel
+def gps_update(f, i, g, e, since):
+    """Correct `f`, `i` by an epoch with a position; whether all of it was believed. `since`: s since the
+    epoch before."""
+    time = e[gnss.VALID_NS]
+    predict(f)
+    _couple_heading(f, since)
+    refresh_earth(f, i)
+    if not look_up(f, i, time):
+        return False
+    correct_past(f, i, time)
+    clear_correction(f)
+    clear_rows(f)
+    position_rows(f, i, e, time)
+    for k in range(THREE):
+        f[at.RESIDUAL + k] += f[COMPASS_ERROR + k]
+        f[at.ROWS + k * at.STATES + X_COMPASS_ERROR + k] = ZERO
+        f[at.VARIANCE + k] = g[gl.GPS_VARIANCE + (1 if k == 2 else 0)]
+    heights = (e[gnss.FLAGS] & gnss.HAS_HEIGHT) != 0
+    believed = _absorb(f, g, 0, 3 if heights else 2)
+    if has_course(e):
+        velocity_rows(f, i, e, time)
+        for k in range(THREE):
+            f[at.VARIANCE + VELOCITY_ROW + k] = g[gl.GPS_VARIANCE + 2]
+        measured = (e[gnss.FLAGS] & gnss.HAS_VELOCITY) != 0
+        believed = _absorb(f, g, VELOCITY_ROW, 3 if measured else 2) and believed
+    feed_back(f, i)
+    return believed
+
+
+@kernel
+def _couple_heading(f, t):
+    """What the error of heading has made of tilt over `t` s."""
+    if not t <= LONGEST:
+        return
+    north = t * (f[at.EARTH_RATE_N] + f[at.VELOCITY + 1] * f[at.PER_NORMAL_RADIUS])
+    east = -t * f[at.VELOCITY] * f[at.PER_MERIDIAN_RADIUS]
+    yaw = at.X_ATTITUDE + 2
+    for j in range(np.int32(yaw), np.int32(ALL)):
+        column = at.U + j * at.STATES
+        u = ONE if j == yaw else f[column + yaw]
+        f[column + yaw - 2] -= east * u
+        f[column + yaw - 1] += north * u
+
+
+@kernel
+def _absorb(f, g, first, count):
+    """Rows of one kind, if they pass their gate; whether they did."""
+    gate = g[gl.GATE_3] if count == 3 else g[gl.GATE_2]
+    if not weigh_group(f, first, count) <= gate:
+        return False
+    absorb_group(f, first, count)
+    return True
