@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import gcd
+
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.interrupt_line import EmulatedLine, emulated_line
 from hal.emulated.pins import Net
@@ -27,17 +29,24 @@ class EmulatedPeriodicTimer:
             raise ValueError(f"timer rate of {rate_hz} Hz; it must be positive, e.g. 100")
         self.stop()
         request = emulated_line(line).request
-        start = self._cpu.time.now
         divisor = rate_hz * (SECOND + self._cpu.crystal_error_ppb)
-        expiries = 1
+        common = gcd(SECOND * SECOND, divisor)
+        divisor //= common
+        whole, part = divmod(SECOND * SECOND // common, divisor)
+        due, rest = self._cpu.time.now + whole, part
 
         def expire() -> int:
-            nonlocal expiries
-            expiries += 1
+            """Goes on by a period of `whole` ns and a fraction `part / divisor`."""
+            nonlocal due, rest
             request()
-            return start + expiries * SECOND * SECOND // divisor
+            due += whole
+            rest += part
+            if rest >= divisor:
+                rest -= divisor
+                due += 1
+            return due
 
-        self._event = self._cpu.time.at(start + SECOND * SECOND // divisor, expire)
+        self._event = self._cpu.time.at(due, expire)
 
     def stop(self) -> None:
         """No more expiries."""

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.record.errors import UserError
+from host.sim.compiled import entry
 
 Floats = NDArray[np.float64]
 
@@ -23,6 +24,8 @@ MODELS = {2010: "WMM_2010", 2015: "WMM_2015v2", 2020: "WMM_2020", 2025: "WMM_202
 LAST_YEAR = 2030
 NANO = 1e-9
 CELLS_KEPT = 64
+SIDES = (math.degrees(1.0) / CELL_DEG, math.degrees(1.0) / CELL_DEG, 1.0 / (1000.0 * CELL_KM))
+"""Of a cell: cells in a rad of latitude, of longitude, in a m of height."""
 
 
 class MagneticField:
@@ -43,20 +46,14 @@ class MagneticField:
         self._model = GeoMag(coefficients_file=f"wmm/{MODELS[epoch]}.COF")
         self._cell = functools.lru_cache(CELLS_KEPT)(self._computed)
 
-    def at(self, latitude: Floats, longitude: Floats, height: Floats) -> Floats:
-        """(n, 3) north, east, down in T at places (rad, m above the ellipsoid)."""
-        places = np.empty((len(latitude), 3))
-        np.multiply(latitude, math.degrees(1.0) / CELL_DEG, out=places[:, 0])
-        np.multiply(longitude, math.degrees(1.0) / CELL_DEG, out=places[:, 1])
-        np.multiply(height, 1.0 / (1000.0 * CELL_KM), out=places[:, 2])
-        cells = np.rint(places)
-        out = np.empty((len(places), 3))
-        begin = 0
-        for end in [*(np.flatnonzero((cells[1:] != cells[:-1]).any(axis=1)) + 1).tolist(), len(places)]:
-            if end > begin:
-                middle, gradient = self._cell(*cells[begin].astype(np.int64).tolist())
-                out[begin:end] = middle + (places[begin:end] - cells[begin]) @ gradient
-            begin = end
+    def turned(self, place: tuple[Floats, Floats, Floats], c_nb: Floats) -> Floats:
+        """(n, 3) in T at latitudes, longitudes (rad), heights (m above the ellipsoid), in the axes of
+        attitudes C_n_b (n, 3, 3)."""
+        out = np.empty((len(c_nb), 3))
+        done = 0
+        while done < len(out):
+            cell = [round(float(along[done]) * side) for along, side in zip(place, SIDES, strict=True)]
+            done = turn_in_cell(*place, c_nb, done, *cell, *self._cell(*cell), out)
         return out
 
     def _computed(self, i: int, j: int, k: int) -> tuple[Floats, Floats]:
@@ -72,6 +69,38 @@ class MagneticField:
         lon = (lon + 180.0) % 360.0 - 180.0
         found = self._model.calculate(glat=lat, glon=lon, alt=height_km, time=self._year)
         return np.array([found.x, found.y, found.z]) * NANO
+
+
+@entry
+def turn_in_cell(
+    latitude: Floats,
+    longitude: Floats,
+    height: Floats,
+    c_nb: Floats,
+    first: int,
+    i: int,
+    j: int,
+    k: int,
+    middle: Floats,
+    gradient: Floats,
+    out: Floats,
+) -> int:
+    """Fill rows of `out` with C_b_n m_n from `first` on, which lies in the cell (i, j, k); returns the first
+    row of another cell, or their number."""
+    for row in range(first, out.shape[0]):
+        x, y, z = latitude[row] * SIDES[0], longitude[row] * SIDES[1], height[row] * SIDES[2]
+        outside = np.rint(x) != i or np.rint(y) != j or np.rint(z) != k
+        if outside and row > first:
+            return row
+        x, y, z = x - i, y - j, z - k
+        north = middle[0] + (x * gradient[0, 0] + y * gradient[1, 0] + z * gradient[2, 0])
+        east = middle[1] + (x * gradient[0, 1] + y * gradient[1, 1] + z * gradient[2, 1])
+        down = middle[2] + (x * gradient[0, 2] + y * gradient[1, 2] + z * gradient[2, 2])
+        for axis in range(3):
+            out[row, axis] = (
+                c_nb[row, 0, axis] * north + c_nb[row, 1, axis] * east + c_nb[row, 2, axis] * down
+            )
+    return out.shape[0]
 
 
 def decimal_year(moment: datetime) -> float:

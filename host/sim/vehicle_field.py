@@ -36,11 +36,7 @@ class VehicleField:
 
     def true(self, place: tuple[Floats, Floats, Floats], c_nb: Floats) -> Floats:
         """(n, 3) in T, body axes, at latitudes, longitudes (rad), heights (m), attitudes C_n_b (n, 3, 3)."""
-        field = self._field.at(*place)
-        turned: Floats = c_nb[:, 0] * field[:, :1]
-        turned += c_nb[:, 1] * field[:, 1:2]
-        turned += c_nb[:, 2] * field[:, 2:]
-        return turned
+        return self._field.turned(place, c_nb)
 
     def felt(self, true: Floats) -> Floats:
         """What iron and noise make of it; to be asked for in order."""
