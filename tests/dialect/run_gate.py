@@ -29,7 +29,6 @@ from firmware.numerics.cache_folder import kernel_cache_folder
 from firmware.numerics.dialect import compile_lazily
 from firmware.numerics.subnormals import check_subnormals
 from host.pil import generated_inputs, strict_run, target_code
-from host.pil.target_code import make_pointer_kernel
 
 TESTS = Path(__file__).resolve().parents[1]
 
@@ -58,9 +57,9 @@ def target_problems(what: str) -> Iterator[Problem]:
     """All findings on the code for the Cortex-M4F."""
     assert os.environ.get("NUMBA_OPT") == "0", "set NUMBA_OPT=0 before numba is imported"
     if what.endswith(".py"):
-        kernels = build_samples(Path(what), make_pointer_kernel)
+        kernels = build_samples(Path(what), target_build.make_target_kernel)
     else:
-        kernels = build_product("target", make_pointer_kernel, what)
+        kernels = build_product("target", target_build.make_target_kernel, what)
     builder = target_build.TargetBuilder()
     for built in kernels.values():
         if built.signature is not None:

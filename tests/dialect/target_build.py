@@ -1,8 +1,8 @@
 """Kernels compiled by numba's own LLVM for a Cortex-M4F, as far as an object file, and what is wrong with it.
 
 Runs in a process of its own with NUMBA_OPT=0: IR that was optimised for x86 carries facts of that machine.
-Arrays become bare pointers. Then the layout and triple are replaced, everything but the entry is made
-internal, and LLVM's own O2 pipeline runs for the target.
+Arrays become bare pointers, and no machine code is made for this PC. Then the layout and triple are
+replaced, everything but the entry is made internal, and LLVM's own O2 pipeline runs for the target.
 """
 
 import re
@@ -12,6 +12,7 @@ from typing import Any
 import llvmlite.binding as llvm
 import numba
 from kernel_builds import Built
+from numba.core.compiler_lock import global_compiler_lock
 from problems import (
     Problem,
     belongs_to_fixed_point,
@@ -20,6 +21,9 @@ from problems import (
     fused_problems,
 )
 
+from firmware.numerics.dialect import compile_once_for_all_literals, declare_only
+from firmware.numerics.inner_code import make_inner
+from firmware.numerics.signature import Signature
 from host.pil.target_code import (
     FEATURES,
     HARD_FLOAT,
@@ -44,6 +48,17 @@ ADVICE = (
 )
 
 
+def make_target_kernel(function: Any, signature: Signature | None) -> Any:
+    """Decorator: what `host.pil.target_code.make_pointer_kernel` makes, as LLVM's intermediate code only."""
+    options = {"error_model": "numpy", "boundscheck": False, "fastmath": False}
+    dispatcher = make_inner(function, options | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True})
+    if signature is None:
+        compile_once_for_all_literals(dispatcher)
+    else:
+        declare_only(dispatcher, re.sub(r"(\w+)\[::1\]", r"CPointer(\1)", signature.text))
+    return dispatcher
+
+
 class TargetBuilder:
     """Holds LLVM's target machine; `problems(built)` compiles one kernel with all it calls."""
 
@@ -62,6 +77,8 @@ class TargetBuilder:
             yield Problem(built.name, "does not compile for bare pointers", str(error))
             return
         result = next(iter(built.made.overloads.values()))
+        with global_compiler_lock:
+            result.library._ensure_finalized()
         entry = result.fndesc.mangled_name
         module = self._module_for_target(str(result.library._final_module), entry)
         yield from double_problems(built.name, "unoptimised", str(module))
