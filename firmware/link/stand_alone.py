@@ -22,7 +22,7 @@ class StandAlone:
     """The state as configured: what a reset leaves."""
     integers: NDArray[np.int64]
     sample: Any
-    """Kernel (floats, integers, burst, board time of the read) for a sample; returns whether it made a step."""
+    """Kernel (floats, integers, burst, board time of the read) for a sample; returns if it made a step."""
     epoch: Any
     """Kernel (floats, integers, epoch)."""
     temperature: Any

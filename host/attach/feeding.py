@@ -1,7 +1,7 @@
 """Raw frames for a board that has no sensors of its own: what is sent when, and again when it was lost.
 
 The board tells every input again when it has taken it, in order. So many bytes may be on their way as its
-ring holds; what it does not tell within PATIENCE_S is sent again from there, and when it asks (WANTED) at once.
+ring holds; what it does not tell within PATIENCE_S is sent again, and at once when it asks (WANTED).
 """
 
 from __future__ import annotations

@@ -33,6 +33,13 @@ def pil_command(
     unit: Annotated[
         bool, typer.Option("--unit", help="Each kernel on its own, with random and extreme inputs.")
     ] = False,
+    stand_alone: Annotated[
+        bool,
+        typer.Option(
+            "--stand-alone",
+            help="The image navigates by itself on raw frames of the twin's run; its solutions are compared.",
+        ),
+    ] = False,
     planted: Annotated[
         str | None,
         typer.Option(
@@ -55,6 +62,6 @@ def pil_command(
         from host.record.result import RunRequest
 
         run = RunRequest(board, scenario, profile, seed, tuple(changes or ()), data)
-        return execute(Asked(run, steps, port, costs, unit, planted), json, quiet)
+        return execute(Asked(run, steps, port, costs, unit, planted, stand_alone), json, quiet)
 
     guarded(command, NOTHING_WRITTEN)

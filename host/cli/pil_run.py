@@ -13,6 +13,7 @@ from host.cli.run_command import check_data
 from host.cli.terminal import standard_error
 from host.pil.planted import PLANTS
 from host.pil.session import PilRequest, PilResult, compare
+from host.pil.stand_alone_run import run_stand_alone
 from host.record.errors import UserError
 from host.record.result import RunRequest
 
@@ -27,6 +28,7 @@ class Asked:
     costs: bool
     unit: bool
     planted: str | None
+    stand_alone: bool = False
 
 
 def execute(asked: Asked, json: str | None, quiet: bool) -> int:
@@ -39,6 +41,8 @@ def execute(asked: Asked, json: str | None, quiet: bool) -> int:
         raise UserError("--plant: only an emulated board gets another image; leave out --port")
     check_data(asked.run.data_dir)
     check_files(("--json", json))
+    if asked.stand_alone:
+        return _execute_stand_alone(asked, json, quiet)
     request = PilRequest(asked.run, asked.steps, asked.port, asked.costs, asked.planted, asked.unit)
     result = compare(request, (lambda _: None) if quiet else standard_error().print)
     write_json(result.to_dict(), json)
@@ -47,6 +51,28 @@ def execute(asked: Asked, json: str | None, quiet: bool) -> int:
         _print_kernels(console, result)
     _print_verdict(console, result)
     return EXIT_NOT_MET if result.differences or not result.steps else EXIT_MET
+
+
+def _execute_stand_alone(asked: Asked, json: str | None, quiet: bool) -> int:
+    if asked.unit or asked.costs or asked.planted is not None:
+        raise UserError("--stand-alone goes with --port, --scenario, --profile, --seed and --set alone")
+    notice = (lambda _: None) if quiet else standard_error().print
+    result = run_stand_alone(asked.run, asked.port, notice)
+    write_json(result.to_dict(), json)
+    say = for_people(json).print
+    for found in result.differences[:1]:
+        say(f"first difference in {found}", soft_wrap=True, markup=False, highlight=False)
+    verdict = "equal" if result.is_equal else "DIFFERENT"
+    say(
+        f"{verdict}: {result.solutions_equal} solutions and {result.copies_equal} copies of the memory equal,"
+        f" {result.solutions_different} and {result.copies_different} different, on {result.target} by itself"
+        f" ({result.board} {result.profile}, {result.scenario}, {result.inputs_taken} of {result.inputs}"
+        f" inputs, {result.inputs_repeated} of them sent again; {result.wall_s:.1f} s)",
+        soft_wrap=True,
+        markup=False,
+        highlight=False,
+    )
+    return EXIT_MET if result.is_equal else EXIT_NOT_MET
 
 
 def _print_kernels(console: Console, result: PilResult) -> None:
