@@ -138,7 +138,7 @@ def _rate(angle: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
 
 def _spline(t: Floats, y: Floats, sigma: float) -> BSpline:
     if sigma == 0.0:
-        return make_interp_spline(t, y, k=min(5, (len(t) - 1) // 2 * 2 + 1 if len(t) < 6 else 5))
+        return make_interp_spline(t, y, k=5 if len(t) > 5 else 3)
     if len(t) < 5:
         return make_interp_spline(t, y, k=3)
     low, high = -12.0, 16.0

@@ -14,9 +14,10 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
@@ -62,26 +63,33 @@ EXAMPLE = "for example t_s,latitude_deg,longitude_deg,height_m"
 def read_csv(path: Path) -> tuple[Track, list[int]]:
     """The track, and the line of each point. Raises UserError."""
     with path.open(newline="", encoding="utf-8-sig") as file:
-        reader = csv.reader(file)
-        header = [name.strip() for name in next(reader, [])]
+        table_rows = _rows(path, file)
+        header = [name.strip() for name in next(table_rows, (1, []))[1]]
         columns = _columns(path, header)
         rows: list[list[float]] = []
         lines: list[int] = []
         start: datetime | None = None
-        for row in reader:
-            if not any(cell.strip() for cell in row):
-                continue
-            if len(row) < len(header):
-                raise UserError(
-                    f"{path}: line {reader.line_num}: {len(row)} values, the header has {len(header)}"
-                )
+        for line, row in table_rows:
+            if len(row) < len(header) or any(cell.strip() for cell in row[len(header) :]):
+                raise UserError(f"{path}: line {line}: {len(row)} values, the header has {len(header)}")
             if start is None and columns["time"][1] == 1.0:
                 start = _moment(row[columns["time"][0]])
-            rows.append([_value(path, reader.line_num, name, row, columns, start) for name in columns])
-            lines.append(reader.line_num)
+            rows.append([_value(path, line, name, row, columns, start) for name in columns])
+            lines.append(line)
     table = np.array(rows, dtype=np.float64).reshape(-1, len(columns))
     named = {name: table[:, k] for k, name in enumerate(columns)}
     return checked(_track(named, start), str(path), lambda k: f"line {lines[k]}"), lines
+
+
+def _rows(path: Path, file: TextIO) -> Iterator[tuple[int, list[str]]]:
+    """Rows that are not empty, with their lines. Raises UserError."""
+    reader = csv.reader(file)
+    try:
+        for row in reader:
+            if reader.line_num == 1 or any(cell.strip() for cell in row):
+                yield reader.line_num, row
+    except csv.Error as error:
+        raise UserError(f"{path}: line {reader.line_num + 1}: {error}; is it a table? {EXAMPLE}") from None
 
 
 def _columns(path: Path, header: list[str]) -> dict[str, tuple[int, float]]:

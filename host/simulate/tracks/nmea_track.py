@@ -69,9 +69,17 @@ def _epoch(path: Path, line: int, fields: list[str]) -> tuple[float, float, floa
     """Second of the day, latitude °, longitude °, ellipsoidal height m."""
     try:
         clock = fields[1]
-        second = int(clock[:2]) * 3600 + int(clock[2:4]) * 60 + float(clock[4:])
-        latitude = (int(fields[2][:2]) + float(fields[2][2:]) / 60.0) * (-1.0 if fields[3] == "S" else 1.0)
-        longitude = (int(fields[4][:3]) + float(fields[4][3:]) / 60.0) * (-1.0 if fields[5] == "W" else 1.0)
+        second = int(clock[:2]) * 3600 + int(clock[2:4]) * 60 + _sixty(clock[4:])
+        latitude = (int(fields[2][:2]) + _sixty(fields[2][2:]) / 60.0) * (-1.0 if fields[3] == "S" else 1.0)
+        longitude = (int(fields[4][:3]) + _sixty(fields[4][3:]) / 60.0) * (-1.0 if fields[5] == "W" else 1.0)
         return second, latitude, longitude, float(fields[9]) + float(fields[11] or 0.0)
     except ValueError:
         raise UserError(f"{path}: line {line}: GGA that cannot be read: {','.join(fields)}") from None
+
+
+def _sixty(text: str) -> float:
+    """Minutes or seconds. Raises ValueError for more of them than there can be."""
+    value = float(text)
+    if not 0.0 <= value < 61.0:  # a leap second
+        raise ValueError
+    return value

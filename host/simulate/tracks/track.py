@@ -19,6 +19,13 @@ FASTEST_MPS = 3000.0
 LONGEST_S = 1e7
 POLE_DEG = 89.0
 LOWEST_M, HIGHEST_M = -1000.0, 100_000.0
+FARTHEST_DEG = 360.0
+LARGEST_ANGLE_DEG = 36_000.0
+"""Of yaw and roll, which may go on counting turn after turn."""
+APART_M, APART_SHARE = 10.0, 0.5
+"""How far velocities may lead from the next point: lengths, and a share of the way at the larger speed."""
+LATEST_GPS_NS = 4_000_000_000 * 10**9
+"""In 2106: a date beyond is none."""
 
 
 @dataclass(frozen=True)
@@ -58,19 +65,58 @@ def checked(track: Track, source: str, place: Callable[[int], str]) -> Track:
         place,
         lambda k: f"latitude {degrees[k]:g}° (at most ±{POLE_DEG:g}°)",
     )
+    east = np.degrees(track.longitude)
+    _none(np.abs(east) > FARTHEST_DEG, source, place, lambda k: f"longitude {east[k]:g}° (at most ±360°)")
     away = (track.height < LOWEST_M) | (track.height > HIGHEST_M)
     _none(away, source, place, lambda k: f"height {track.height[k]:g} m ({LOWEST_M:g} … {HIGHEST_M:g} m)")
     if track.attitude is not None:
         pitch = np.degrees(track.attitude[:, 1])
         _none(np.abs(pitch) > 90.0, source, place, lambda k: f"pitch {pitch[k]:g}° (at most ±90°)")
-    speed = np.concatenate(([0.0], _steps(track) / np.diff(track.t_s)))
+        for name, column in (("yaw", 0), ("roll", 2)):
+            angle = np.degrees(track.attitude[:, column])
+            _none(
+                np.abs(angle) > LARGEST_ANGLE_DEG,
+                source,
+                place,
+                lambda k, name=name, angle=angle: (
+                    f"{name} {angle[k]:g}° (at most ±{LARGEST_ANGLE_DEG:,.0f}°)"
+                ),
+            )
+    speed = np.concatenate(([0.0], np.linalg.norm(_steps(track), axis=1) / np.diff(track.t_s)))
     _none(
         speed > FASTEST_MPS,
         source,
         place,
         lambda k: f"{speed[k]:,.0f} m/s from the point before (at most {FASTEST_MPS:,.0f})",
     )
+    _check_velocity(track, source, place)
     return track
+
+
+def _check_velocity(track: Track, source: str, place: Callable[[int], str]) -> None:
+    """It is that of the points: what it leads to is not far from the next one."""
+    if track.velocity is None:
+        return
+    speeds = np.linalg.norm(track.velocity, axis=1)
+    _none(
+        speeds > FASTEST_MPS,
+        source,
+        place,
+        lambda k: f"velocity {speeds[k]:,.0f} m/s (at most {FASTEST_MPS:,.0f})",
+    )
+    lengths = np.diff(track.t_s)
+    led = 0.5 * (track.velocity[1:] + track.velocity[:-1]) * lengths[:, None]
+    off = np.linalg.norm(led - _steps(track), axis=1)
+    way = np.maximum(speeds[1:], speeds[:-1]) * lengths
+    wrong = np.concatenate(([False], off > APART_M + APART_SHARE * way))
+
+    def told(k: int) -> str:
+        return (
+            f"the velocities lead {off[k - 1]:,.0f} m beside this point; are they north, east, down in m/s,"
+            " and of this trajectory?"
+        )
+
+    _none(wrong, source, place, told)
 
 
 def _check_numbers(track: Track, source: str, place: Callable[[int], str]) -> None:
@@ -92,6 +138,10 @@ def _check_numbers(track: Track, source: str, place: Callable[[int], str]) -> No
 
 def _check_times(track: Track, source: str, place: Callable[[int], str]) -> None:
     t = track.t_s
+    if track.start_gps_ns is not None and not 0 <= track.start_gps_ns < LATEST_GPS_NS:
+        raise UserError(
+            f"{source}: {place(0)}: the date lies outside of 1980 … 2106; for example 2024-05-14T08:00:00Z"
+        )
     back = np.concatenate(([False], np.diff(t) <= 0.0))
 
     def told(k: int) -> str:
@@ -130,8 +180,8 @@ def _none(
 
 
 def _steps(track: Track) -> Floats:
-    """Distances between neighbours, m."""
-    per_north, per_east = radians_per_metre(float(track.latitude[0]), float(track.height[0]))
+    """Ways between neighbours north, east, down, m (n - 1, 3)."""
+    pairs = zip(track.latitude.tolist(), track.height.tolist(), strict=True)
+    per_north, per_east = np.array([radians_per_metre(*pair) for pair in pairs])[:-1].T
     north, east = np.diff(track.latitude) / per_north, np.diff(np.unwrap(track.longitude)) / per_east
-    steps: Floats = np.sqrt(north**2 + east**2 + np.diff(track.height) ** 2)
-    return steps
+    return np.column_stack((north, east, -np.diff(track.height)))

@@ -80,7 +80,7 @@ def _driven(path: Path, places: list[Point], speed_mps: float) -> tuple[Track, l
     steps = np.zeros(0)
     if len(places) > 1:
         per_north, per_east = radians_per_metre(float(latitude[0]), float(height[0]))
-        north, east = np.diff(latitude) / per_north, np.diff(longitude) / per_east
+        north, east = np.diff(latitude) / per_north, np.diff(np.unwrap(longitude)) / per_east
         steps = np.sqrt(north**2 + east**2 + np.diff(height) ** 2)
     t = np.concatenate(([0.0], np.cumsum(steps))) / speed_mps
     track = Track(t[: len(places)], latitude, longitude, height, noisy=True)
