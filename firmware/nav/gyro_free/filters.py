@@ -126,6 +126,8 @@ def begin(federation: Federation, config: FilterConfig, start: Beginning, kernel
         federation.master[0][place : place + 3] = 0.0
     _begin(entry, *federation.central, config, start, 1.0)
     federation.n[gl.LAST : gl.LAST + 2] = start.t_ns
+    federation.n[gl.TICK] = start.t_ns
+    federation.n[gl.FUSION_DUE] = start.t_ns + 1_000_000_000 - (federation.n[gl.TICK_NS] >> 1)
 
 
 def _begin(entry: Any, f: Any, i: Any, config: FilterConfig, start: Beginning, widen: float) -> None:
@@ -204,6 +206,7 @@ def _configure_sharing(g: NDArray[Any], n: NDArray[np.int64], c: FilterConfig) -
     n[gl.LIMIT_GOOD : gl.LIMIT_GOOD + 2] = c.recover_after
     n[gl.LIMIT_SILENCE : gl.LIMIT_SILENCE + 2] = [round(1e9 * t) for t in c.silent_after]
     n[gl.LIMIT_REPEATS] = c.compass_repeats
+    n[gl.TICK_NS] = round(1e9 * c.sample_period)
 
 
 def _check(config: FilterConfig) -> None:

@@ -128,6 +128,10 @@ COMPASS_WORDS = 31
 ISOLATED_BY = 34
 """Why, each of the two: see CAUSE_NAMES."""
 FUSION_DUE = 36
+TICK = 37
+"""Time of the last packet, ns."""
+TICK_NS = 38
+"""Its period."""
 N_SIZE = 40
 
 

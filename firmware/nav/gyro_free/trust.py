@@ -2,7 +2,8 @@
 
 detected   measurements refused by their gate, counted up, accepted ones counted down; a compass that says
            the same for seconds; no measurement for some seconds; or an estimate that differs from the
-           master's by more than both allow (largest of the whitened differences)
+           master's by more than both allow (largest of the whitened differences; not without
+           resets, when filters go apart by what each cannot observe)
 isolated   it gives nothing to the fusion and takes the global state at each
 recovered  so many measurements in a row agree with the global state again
 """
@@ -54,7 +55,7 @@ def judge_filters(g, n, time):
             n[gl.GOOD + k] = 0
             _isolate(n, k, gl.SILENT)
     worse = 0 if g[gl.WORST] > g[gl.WORST + 1] else 1
-    if g[gl.WORST + worse] > g[gl.GATE_DIFFERENCE]:
+    if n[gl.MODE] != gl.NO_RESET and g[gl.WORST + worse] > g[gl.GATE_DIFFERENCE]:
         n[gl.GOOD + worse] = 0
         _isolate(n, worse, gl.DIFFERENT)
 
