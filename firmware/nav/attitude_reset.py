@@ -6,7 +6,8 @@
 Three rows of U turn among one another and lose their triangular form. Behind the parameters' columns, which
 simply turn, only three columns hold attitude: these are orthogonalised again (modified weighted Gram-Schmidt,
 Thornton; Bierman 1977, ch. VI), the rows of position and velocity with them. In three columns three rows span
-all there is, so nothing remains of them elsewhere.
+all there is, so nothing remains of them elsewhere. The Earth's rate turns the attitude error in the same way
+(prediction).
 """
 
 import numpy as np

@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.nav import layout as at
+from firmware.nav import reference_layout as ref
 from firmware.nav import tuning as cfg
+from firmware.nav.reference_config import AttitudeReference, configure_reference
 
 DEG = math.pi / 180.0
 G = 9.80665
@@ -55,6 +57,10 @@ class NavConfig:
     """rad/s (10 °/h) …"""
     gyro_instability_time: float = 25.0
     """… and its correlation time."""
+    gyro_bias_sigma: float = 0.0
+    """Of the gyros as delivered, rad/s, when they are good enough that it helps; 0: learnt at rest alone."""
+    earth_rate_errors: bool = False
+    """The Earth's rate couples the attitude errors: counts below 1 °/h (prediction)."""
     gyro_bias_per_kelvin: float = 0.05 * DEG
     """1 σ of the coefficient, rad/s/K; the chip tells its temperature."""
     temperature_step: float = 0.5
@@ -78,6 +84,8 @@ class NavConfig:
     position_error_sigma: float = 1.5
     """Correlated (first-order Gauss-Markov), each horizontal axis, m."""
     position_error_time: float = 300.0
+    position_error_states: bool = True
+    """False: the correlated error is no state of the filter, epochs weigh as little as they tell instead."""
     vertical_factor: float = 1.7
     velocity_noise: float = 0.05
     """Each axis, m/s; also the floor of speed over ground."""
@@ -106,6 +114,10 @@ class NavConfig:
     """Time of day and board clock may differ by this from epoch to epoch."""
     epochs_after_time_jump: int = 3
     gnss_lost_after: float = 3.0
+
+    # --- the attitude reference
+    attitude: AttitudeReference | None = None
+    """Two antennas or a compass, where the board has them."""
 
     # --- the vehicle
     constraint: bool = True
@@ -193,12 +205,17 @@ def configure(f: NDArray[Any], i: NDArray[np.int64], config: NavConfig) -> None:
         f[place : place + np.size(value)] = value
     for place, value in _integers(config).items():
         i[place] = value
+    if not config.position_error_states:
+        i[at.POSITION_TIME] = at.NEVER
+    if config.attitude is not None:
+        configure_reference(f, i, config.attitude)
 
 
 def new_state(config: NavConfig, dtype: Any = np.float32) -> tuple[NDArray[Any], NDArray[np.int64]]:
     """Both arrays, configured; `dtype` float64 for the reference variant of the kernels."""
-    f = np.zeros(at.F_SIZE, dtype)
-    i = np.zeros(at.I_SIZE, np.int64)
+    alone = config.attitude is None
+    f = np.zeros(at.F_SIZE if alone else ref.F_END, dtype)
+    i = np.zeros(at.I_SIZE if alone else ref.I_END, np.int64)
     configure(f, i, config)
     return f, i
 
@@ -239,7 +256,8 @@ def _floats(c: NavConfig) -> dict[int, Any]:
         cfg.POSITION_VARIANCE: c.position_noise**2,
         cfg.POSITION_ERROR_VARIANCE_H: c.position_error_sigma**2,
         cfg.POSITION_ERROR_VARIANCE_V: c.position_error_sigma**2 * vertical,
-        cfg.PER_POSITION_ERROR_TIME: 1.0 / c.position_error_time,
+        # what has no variance must not decay either: its column of U would grow without bound
+        cfg.PER_POSITION_ERROR_TIME: 1.0 / c.position_error_time if _has_receiver_error(c) else 0.0,
         cfg.VERTICAL_FACTOR_SQUARE: vertical,
         cfg.GNSS_VELOCITY_VARIANCE: c.velocity_noise**2,
         cfg.EPOCH_INDEPENDENCE: c.epoch_independence,
@@ -280,7 +298,10 @@ def _floats(c: NavConfig) -> dict[int, Any]:
         cfg.GYRO_PER_KELVIN_VARIANCE: c.gyro_bias_per_kelvin**2,
         cfg.TEMPERATURE_STEP: c.temperature_step,
         cfg.GYRO_INSTABILITY_VARIANCE: c.gyro_instability_sigma**2,
-        cfg.PER_INSTABILITY_TIME: 1.0 / c.gyro_instability_time,
+        cfg.PER_INSTABILITY_TIME: 1.0 / c.gyro_instability_time if c.gyro_instability_sigma > 0.0 else 0.0,
+        cfg.EARTH_ERRORS: float(c.earth_rate_errors),
+        cfg.GYRO_VARIANCE: c.gyro_bias_sigma**2,
+        cfg.POSITION_ERROR_WEIGHT: 0.0 if c.position_error_states else 2.0 * c.position_error_time,
     }
 
 
@@ -305,7 +326,12 @@ def _integers(c: NavConfig) -> dict[int, int]:
         cfg.CHECK_NS: _ns(c.check_period),
         cfg.WINDOW_NS: _ns(c.window),
         cfg.STUCK_SAMPLES: math.ceil(c.stuck_time / c.sample_period),
+        cfg.REFERENCE_ON: int(c.attitude is not None),
     }
+
+
+def _has_receiver_error(c: NavConfig) -> bool:
+    return c.position_error_states and c.position_error_sigma > 0.0
 
 
 def _ns(seconds: float) -> int:
@@ -317,7 +343,7 @@ _MAY_BE_ZERO = {
     "manoeuvre_noise", "position_walk", "gyro_bias_per_kelvin", "gyro_instability_sigma",
     "misalignment_sigma", "scale_sigma", "course_noise", "velocity_lag", "time_tag_noise",
     "constraint_turn_noise",
-    "rest_gyro_sigma", "epochs_after_time_jump",
+    "rest_gyro_sigma", "epochs_after_time_jump", "gyro_bias_sigma", "position_error_sigma", "mounting_sigma",
 }  # fmt: skip
 
 
@@ -327,7 +353,7 @@ def _check(config: NavConfig) -> None:
         if isinstance(value, tuple):
             if not all(math.isfinite(x) for x in value):
                 raise ValueError(f"NavConfig.{field.name} = {value} holds a value that is not finite")
-        elif value is not None and not isinstance(value, bool):
+        elif isinstance(value, int | float) and not isinstance(value, bool):
             lowest = 0.0 if field.name in _MAY_BE_ZERO else 1e-12
             if not lowest <= value < math.inf and field.name != "initial_yaw":
                 raise ValueError(

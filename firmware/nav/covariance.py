@@ -93,9 +93,15 @@ def add_variance(f, state, variance):
     for j in range(np.int32(state)):
         f[at.GAIN + j] = ZERO
     f[at.GAIN + state] = ONE
+    add_along_gain(f, state, variance)
+
+
+@kernel
+def add_along_gain(f, last, variance):
+    """P += variance · g gᵀ, g in layout.GAIN up to state `last`, zero behind it; g is spoilt."""
     c = variance
-    for back in range(np.int32(state + 1)):
-        j = (state - back) & INDEX_MASK
+    for back in range(np.int32(last + 1)):
+        j = (last - back) & INDEX_MASK
         a = f[at.GAIN + j]
         d = f[at.D + j]
         after = d + c * a * a

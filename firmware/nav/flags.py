@@ -38,10 +38,14 @@ REJOINED = 11
 """A gate was widened after many rejections in a row."""
 GNSS_LOST = 12
 POSITION_UNCERTAIN = 13
+ATTITUDE_REJECTED = 14
+"""Two headings of the attitude reference in a row; a flipped one or a wrong baseline at once."""
+ATTITUDE_LOST = 15
+"""The attitude reference has told no usable heading for a while."""
 FLAG_NAMES = (
     "gnss_time_jump", "gnss_rejected", "gnss_stale", "imu_gap", "imu_saturated", "imu_stuck",
     "imu_not_finite", "numeric_restart", "standstill", "constrained", "realigned", "rejoined",
-    "gnss_lost", "position_uncertain",
+    "gnss_lost", "position_uncertain", "attitude_rejected", "attitude_lost",
 )  # fmt: skip
 
 HOLD_NS = np.int64(2_000_000_000)

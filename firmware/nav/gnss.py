@@ -33,7 +33,13 @@ from firmware.nav.gnss_measurement import (
     turn_velocity_rows,
     velocity_rows,
 )
-from firmware.nav.gnss_noise import position_variances, speed_variance, weigh_epoch
+from firmware.nav.gnss_noise import (
+    add_lasting_error,
+    position_variances,
+    speed_variance,
+    weigh_epoch,
+    weigh_lasting_error,
+)
 from firmware.nav.gnss_scatter import keep_residual, learn_scatter
 from firmware.nav.gnss_time import time_is_believed
 from firmware.nav.heading import find_heading, has_course, heading_is_wrong
@@ -151,6 +157,7 @@ def _correct(f, i, e, time):
     i[at.INNOVATION_TIME] = time
     i[at.INNOVATION_MASK] = 0
     if _position_passes(f, i, time, position, position_weight):
+        weigh_lasting_error(f, i, time)
         absorb_group(f, POSITION_ROWS, position)
         i[at.INNOVATION_MASK] = (np.int64(1) << position) - 1
     if velocity > 0 and _velocity_passes(f, i, time, velocity, velocity_weight):
@@ -177,6 +184,7 @@ def _prepare_position(f, i, e, time):
     f[at.VARIANCE] = horizontal
     f[at.VARIANCE + 1] = horizontal
     f[at.VARIANCE + 2] = vertical
+    add_lasting_error(f)
     held = e[gnss.FIX_TYPE] == TWO_DIMENSIONAL
     return 2 if held or not e[gnss.FLAGS] & gnss.HAS_HEIGHT else 3
 

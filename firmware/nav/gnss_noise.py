@@ -6,6 +6,10 @@ less for a receiver that was seen to scatter less (gnss_scatter). Without
 a claim, the dilution of precision scales the error. Receivers filter: epochs closer together than
 `epoch_independence` repeat one another's error, and the velocity's own delay is not that of the position (it
 only matters while the latency is estimated).
+
+Where the correlated error is no state (`position_error_states` off), an epoch is judged with it as it stands,
+R + σ², but absorbed with as little weight as a white error of the same spectrum at low frequencies would
+have, R + σ² 2T/Δt, Δt since the position absorbed before.
 """
 
 import numpy as np
@@ -82,3 +86,24 @@ def weigh_epoch(f, i, valid):
     one."""
     spacing = max(seconds_between(i[at.FIX_TIME], valid), SHORTEST)
     f[at.EPOCH_WEIGHT] = max(f[cfg.EPOCH_INDEPENDENCE] / spacing, ONE)
+
+
+@kernel
+def add_lasting_error(f):
+    """For the gate: the correlated error counts in full where no state holds it."""
+    if f[cfg.POSITION_ERROR_WEIGHT] != ZERO:
+        f[at.VARIANCE] += f[cfg.POSITION_ERROR_VARIANCE_H]
+        f[at.VARIANCE + 1] += f[cfg.POSITION_ERROR_VARIANCE_H]
+        f[at.VARIANCE + 2] += f[cfg.POSITION_ERROR_VARIANCE_V]
+
+
+@kernel
+def weigh_lasting_error(f, i, time):
+    """For the update: the same error again and again tells less with each epoch."""
+    if f[cfg.POSITION_ERROR_WEIGHT] != ZERO:
+        spacing = max(seconds_between(i[at.POSITION_TIME], time), SHORTEST)
+        more = max(f[cfg.POSITION_ERROR_WEIGHT] / spacing, ONE) - ONE
+        f[at.VARIANCE] += more * f[cfg.POSITION_ERROR_VARIANCE_H]
+        f[at.VARIANCE + 1] += more * f[cfg.POSITION_ERROR_VARIANCE_H]
+        f[at.VARIANCE + 2] += more * f[cfg.POSITION_ERROR_VARIANCE_V]
+        i[at.POSITION_TIME] = time

@@ -39,6 +39,7 @@ HALF = np.float32(0.5)
 ONE = np.float32(1.0)
 HALF_PI = np.float32(1.57079632679490)
 PI = np.float32(3.14159265358979)
+THREE = np.int32(3)
 TWO_PI = np.float32(6.28318530717959)
 LEVEL_VARIANCE = np.float32(2.0e-3 * 2.0e-3)
 """Tilt read from the force at rest, besides the bias."""
@@ -85,7 +86,7 @@ def find_heading(f, i, e, time):
     q = at.AGO_QUATERNION
     yaw_then, _, _ = euler_of_quaternion(f[q], f[q + 1], f[q + 2], f[q + 3])
     if i[cfg.YAW_IS_GIVEN] != 0:  # for the attitude that was levelled
-        _begin_after_rest(f, i, e, time, f[cfg.INITIAL_YAW], f[cfg.INITIAL_YAW_VARIANCE])
+        begin_after_rest(f, i, e, time, f[cfg.INITIAL_YAW], f[cfg.INITIAL_YAW_VARIANCE])
         f[at.AT_REST] = ONE if i[at.LEVEL_WINDOWS] > 0 else ZERO
         return
     if not has_course(e):
@@ -98,13 +99,16 @@ def find_heading(f, i, e, time):
     )
     if forward < -HALF * speed:
         course += PI
-    _begin_after_rest(f, i, e, time, course - yaw_then, course_variance(f, e, speed))
+    begin_after_rest(f, i, e, time, course - yaw_then, course_variance(f, e, speed))
     correlate_yaw(f)
 
 
 @kernel
-def _begin_after_rest(f, i, e, time, turn, yaw_variance):
-    """Turn the level axes n' by `turn` to north and begin."""
+def begin_after_rest(f, i, e, time, turn, yaw_variance):
+    """Turn the level axes n' by `turn` to north and begin.
+
+    The bias learnt at rest is noise as well; gyros known to be better than that noise keep their share.
+    """
     dn, de, dd = _velocity_since(f, turn)
     _turn_quaternion(f, at.REST_QUATERNION, turn)
     _turn_quaternion(f, at.AGO_QUATERNION, turn)
@@ -124,6 +128,11 @@ def _begin_after_rest(f, i, e, time, turn, yaw_variance):
     since = seconds_between(i[at.LEVELLED_AT], i[at.TIME])
     gyro = f[cfg.REST_GYRO_VARIANCE] + f[cfg.ANGLE_WALK_VARIANCE] / f[at.REST_TIME]
     drift = gyro * since * since + f[cfg.ANGLE_WALK_VARIANCE] * since
+    if f[cfg.GYRO_VARIANCE] > ZERO:
+        share = f[cfg.GYRO_VARIANCE] / (f[cfg.GYRO_VARIANCE] + gyro)
+        gyro *= share
+        for k in range(THREE):
+            f[at.GYRO_BIAS + k] *= share
     begin_covariance(f, e, age, LEVEL_VARIANCE + drift, yaw_variance + drift, gyro)
     correlate_tilt(f, f[r], f[r + 1], f[r + 2], f[r + 3])
     enter_navigation(f, i)

@@ -15,6 +15,7 @@ from firmware.nav.covariance import is_sound
 from firmware.nav.dead_time import coast, lose
 from firmware.nav.earth import refresh_earth
 from firmware.nav.flags import IMU_GAP, LEVELLING, NAVIGATING, WAITING, report
+from firmware.nav.gyrocompass import gather_rest
 from firmware.nav.history import remember, seconds_between
 from firmware.nav.levelling import begin_levelling, integrate_samples, level_by_window
 from firmware.nav.plausibility import is_plausible
@@ -132,6 +133,8 @@ def _look_back(f, i, quiet):
     """What the window just closed tells."""
     if i[at.MODE] != NAVIGATING:
         level_by_window(f, i, quiet)
+        if i[cfg.REFERENCE_ON] != 0:
+            gather_rest(f, i)
         return
     still = quiet and state_is_still(f)
     if still:

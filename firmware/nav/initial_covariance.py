@@ -29,13 +29,16 @@ def begin_covariance(f, e, age, tilt_variance, yaw_variance, gyro_variance):
     horizontal, vertical = position_variances(f, e)
     speed = speed_variance(f, e) + age * age * AGE_VARIANCE
     for k in range(THREE):
+        correlated = f[cfg.POSITION_ERROR_VARIANCE_V] if k == 2 else f[cfg.POSITION_ERROR_VARIANCE_H]
         f[at.D + at.X_POSITION + k] = vertical if k == 2 else horizontal
+        if f[cfg.POSITION_ERROR_WEIGHT] != ZERO:
+            f[at.D + at.X_POSITION + k] += correlated
+            correlated = ZERO
         f[at.U + (at.X_GNSS_ERROR + k) * at.STATES + at.X_POSITION + k] = -ONE
         f[at.D + at.X_VELOCITY + k] = speed
         f[at.D + at.X_ATTITUDE + k] = yaw_variance if k == 2 else tilt_variance
         f[at.D + at.X_GYRO_BIAS + k] = gyro_variance
         f[at.D + at.X_ACCEL_BIAS + k] = f[cfg.ACCEL_BIAS_VARIANCE]
-        correlated = f[cfg.POSITION_ERROR_VARIANCE_V] if k == 2 else f[cfg.POSITION_ERROR_VARIANCE_H]
         f[at.D + at.X_GNSS_ERROR + k] = correlated
         f[at.D + at.X_GYRO_INSTABILITY + k] = f[cfg.GYRO_INSTABILITY_VARIANCE]
         f[at.D + at.X_GYRO_PER_KELVIN + k] = f[cfg.GYRO_PER_KELVIN_VARIANCE]

@@ -242,6 +242,8 @@ UPDATES = 37
 """GNSS epochs absorbed."""
 SCATTER_TIME = 38
 """Of the epoch that LEFT_RESIDUAL is of; NEVER when it was not absorbed."""
+POSITION_TIME = 39
+"""Of the last position absorbed, where its lasting error is weighed (gnss_noise)."""
 
 EVENT_TIME = 40
 """When each event last happened, in the order of `flags`."""

@@ -93,6 +93,11 @@ def _finish(f, i, e, time, speed, course, turn):
     f[at.GYRO_BIAS] = (f[q + 1] - f[s + 3]) * per_t + rate * sp
     f[at.GYRO_BIAS + 1] = (f[q + 2] - f[s + 4]) * per_t - rate * cp * sr
     f[at.GYRO_BIAS + 2] = (f[q + 3] - f[s + 5]) * per_t - rate * cp * cr
+    gyro = f[cfg.MOTION_GYRO_VARIANCE]
+    if f[cfg.GYRO_VARIANCE] > ZERO:  # such gyros are better than what a few seconds of motion tell
+        gyro = f[cfg.GYRO_VARIANCE]
+        for k in range(THREE):
+            f[at.GYRO_BIAS + k] = ZERO
     age = seconds_between(time, i[at.TIME])
     yaw = course + (f[at.QUATERNION + 3] - f[q + 3]) - f[at.GYRO_BIAS + 2] * age
 
@@ -111,7 +116,6 @@ def _finish(f, i, e, time, speed, course, turn):
     set_velocity_and_position(
         f, i, e, time, (along * cc - centripetal * sc) * age, (along * sc + centripetal * cc) * age, ZERO
     )
-    gyro = f[cfg.MOTION_GYRO_VARIANCE]
     yaw_variance = course_variance(f, e, speed) + gyro * age * age
     begin_covariance(f, e, age, f[cfg.MOTION_TILT_VARIANCE], yaw_variance, gyro)
     correlate_tilt(f, w, x, y, z)

@@ -15,10 +15,13 @@ observable. Corrections would turn C_n_b, and with every turn the filter would t
 observed; so C_n_b of the error model stays the same for as long as the vehicle rests (Huang, Mourikis and
 Roumeliotis, Observability-based rules for designing consistent EKF SLAM estimators, IJRR 29 (2010)).
 
-Left out, because far below what MEMS sensors do: −ω_in × φ (0.05 °/h for φ = 0.2°; without it the dynamics
-are upper triangular, see covariance), Coriolis and transport terms in δv and δr, gravity gradient, and the
-error of the transport rate. Groves, Principles of GNSS, Inertial, and Multisensor
-Integrated Navigation Systems, 2nd ed., section 14.2.4.
+With `earth_rate_errors` also φ' = −ω_in × φ, once a second (attitude_reset turns the covariance). It is
+0.05 °/h for φ = 0.2°: nothing to a MEMS gyro, but how a gyro of 0.1 °/h tells yaw from its own bias.
+
+Left out, because far below what the sensors do: Coriolis and transport terms in δv and δr (0.7 µg for an
+error of 0.05 m/s), gravity gradient (0.5 µg for 1.5 m), and the error of the transport rate (0.002 °/h for
+0.05 m/s). Groves, Principles of GNSS, Inertial, and Multisensor Integrated Navigation Systems, 2nd ed.,
+section 14.2.4.
 
 Parameters: biases walk, the gyro bias also follows the temperature of the chip (temperature); the correlated
 GNSS error and the instability of the gyros are first-order Gauss-Markov processes; responses and temperature
@@ -30,6 +33,7 @@ import numpy as np
 
 from firmware.nav import layout as at
 from firmware.nav import tuning as cfg
+from firmware.nav.attitude_reset import turn_attitude_error
 from firmware.nav.covariance import add_variance, scale_state
 from firmware.numerics.dialect import kernel
 
@@ -87,7 +91,21 @@ def predict(f):
         begin_interval(f)
     if not f[at.PARAMETER_TIME] <= PARAMETER_PERIOD:
         _walk_parameters(f, f[at.PARAMETER_TIME])
+        if f[cfg.EARTH_ERRORS] != ZERO:
+            _turn_with_earth(f, f[at.PARAMETER_TIME])
         f[at.PARAMETER_TIME] = ZERO
+
+
+@kernel
+def _turn_with_earth(f, t):
+    """φ → φ − ω_in T × φ."""
+    north = f[at.VELOCITY + 1] * f[at.PER_NORMAL_RADIUS]
+    turn_attitude_error(
+        f,
+        t * (f[at.EARTH_RATE_N] + north),
+        -t * f[at.VELOCITY] * f[at.PER_MERIDIAN_RADIUS],
+        t * (f[at.EARTH_RATE_D] - north * f[at.TAN_LATITUDE]),
+    )
 
 
 @kernel
@@ -229,6 +247,8 @@ def _walk_parameters(f, t):
             f[at.U + j * at.STATES + at.X_GYRO_BIAS + k] += warmer * _entry(f, j, at.X_GYRO_PER_KELVIN + k)
     for k in range(THREE):
         variance = f[cfg.POSITION_ERROR_VARIANCE_H] if k < 2 else f[cfg.POSITION_ERROR_VARIANCE_V]
+        if f[cfg.POSITION_ERROR_WEIGHT] != ZERO:
+            variance = ZERO
         factor = _decay(f, at.X_GNSS_ERROR + k, t * f[cfg.PER_POSITION_ERROR_TIME])
         add_variance(f, at.X_GNSS_ERROR + k, (ONE - factor * factor) * variance)
         factor = _decay(f, at.X_GYRO_INSTABILITY + k, t * f[cfg.PER_INSTABILITY_TIME])

@@ -14,6 +14,7 @@ import numpy as np
 
 from firmware.nav import flags as fl
 from firmware.nav import layout as at
+from firmware.nav import reference_layout as ref
 from firmware.nav import tuning as cfg
 from firmware.nav.covariance import element
 from firmware.numerics.dialect import kernel
@@ -156,6 +157,11 @@ def _flags(f, i, floats):
     east = floats[SIGMA_POSITION + 1]
     if not north * north + east * east < f[cfg.UNCERTAIN_SQUARE]:
         word |= ONE << fl.POSITION_UNCERTAIN
+    if i[cfg.REFERENCE_ON] != 0:
+        if fl.is_recent(i, fl.ATTITUDE_REJECTED):
+            word |= ONE << fl.ATTITUDE_REJECTED
+        if i[at.TIME] - i[ref.LAST_USED] > i[ref.LOST_NS]:
+            word |= ONE << fl.ATTITUDE_LOST
     return word
 
 

@@ -147,6 +147,12 @@ def rest_updates(f, i):
             f[at.WINDOW_MEAN + k] - f[at.GYRO_BIAS + k] - f[at.GYRO_INSTABILITY + k] - earth
         )
         f[at.VARIANCE + row] = f[cfg.ZERO_RATE_VARIANCE]
+        if f[cfg.EARTH_ERRORS] != ZERO:
+            # C_n_bᵀ (ω_ie × φ)
+            h = at.ROWS + row * at.STATES + at.X_ATTITUDE
+            f[h] = f[c + 3 + k] * down
+            f[h + 1] = f[c + 6 + k] * north - f[c + k] * down
+            f[h + 2] = -f[c + 3 + k] * north
     if weigh_group(f, 3, 3) <= f[cfg.GATE_3]:
         absorb_group(f, 3, 3)
     if correction_is_sound(f):

@@ -76,6 +76,12 @@ EPOCH_INDEPENDENCE = at.CONFIG + 83
 VELOCITY_LAG_SQUARE = at.CONFIG + 84
 LOST_TILT_RATE_SQUARE = at.CONFIG + 85
 STILL_ACCELERATION_SQUARE = at.CONFIG + 86
+EARTH_ERRORS = at.CONFIG + 87
+"""1: the Earth's rate couples the attitude errors."""
+GYRO_VARIANCE = at.CONFIG + 88
+"""Of the gyro bias as delivered; 0: not known."""
+POSITION_ERROR_WEIGHT = at.CONFIG + 89
+"""s: the receiver's correlated error is no state, it counts once in such a time; 0: it is a state."""
 
 # --- i ---
 TWO_SAMPLE = at.SWITCHES
@@ -97,3 +103,5 @@ MOTION_NS = at.SWITCHES + 15
 STUCK_SAMPLES = at.SWITCHES + 16
 WINDOW_NS = at.SWITCHES + 17
 CHECK_NS = at.SWITCHES + 18
+REFERENCE_ON = at.SWITCHES + 19
+"""1: there is an attitude reference, and its memory behind the arrays (reference_layout)."""
