@@ -277,12 +277,14 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
 
 
 def installation_of(description: Board) -> dict[str, Any]:
-    """Mounting and lever arm of each device, by the firmware's name for it."""
-    chips = {
-        chip.name or chip.uart or refdes: {"C_b_s": chip.mounting, "lever_arm_m": chip.lever_arm_m}
-        for refdes, chip in description.chips.items()
-    }
+    """Mounting, lever arm and second antenna of each device, by the firmware's name for it."""
+    chips = {chip.name or chip.uart or refdes: _place_of(chip) for refdes, chip in description.chips.items()}
     return Named("a chip called", chips)
+
+
+def _place_of(chip: Chip) -> dict[str, Any]:
+    place = {"C_b_s": chip.mounting, "lever_arm_m": chip.lever_arm_m}
+    return place if chip.second_antenna_m is None else place | {"second_antenna_m": chip.second_antenna_m}
 
 
 def _program(

@@ -131,6 +131,17 @@ def for_raw_sample(rng: np.random.Generator) -> tuple[Any, ...]:
     return f, now.i, np.frombuffer(bytearray(raw), np.uint8), now.t_ns
 
 
+def for_increments(rng: np.random.Generator) -> tuple[Any, ...]:
+    """A sample of the serial unit: increments over 5 ms in its units, status, time."""
+    now = _any_moment(rng)
+    si = np.nan_to_num(np.array(now.sample))
+    units = np.concatenate([si[:3] / 2.0e-7, si[3:] / 2.0e-6])
+    limit = 2**31 - 1
+    counts = np.clip(np.round(units), -limit, limit).astype(np.int64)
+    status = int(rng.choice([0, 0, 0, 0, 1, 2, 3, 4, 8]))
+    return now.f, now.i, np.array([7, *counts, status, now.t_ns, 0], np.int64)
+
+
 INPUTS = {
     "firmware.nav.imu.imu_step": for_imu_step,
     "firmware.nav.gnss.gnss_step": for_gnss_step,
@@ -140,4 +151,5 @@ INPUTS = {
     "firmware.nav.solution.biases": for_series,
     "firmware.apps.car_mems.steps.data_ready_step": for_raw_sample,
     "firmware.apps.car_mems.steps.timer_sample": for_raw_sample,
+    "firmware.apps.dual_antenna.steps.sample_step": for_increments,
 }

@@ -6,11 +6,14 @@ receivers as far as a board needs them (docs/fidelity/dual_antenna.md):
     $JASC,GPGGA,1    rate of a sentence in Hz, 0 for none      answered "$>"
     $JBAUD,38400     bit rate of the port
     $JOFF            no sentences
+
+The pin PPS rises at the top of each second of UTC while there is a fix, for 100 ms.
 """
 
 from __future__ import annotations
 
 from boards.chips.dual_antenna.sentences import SENTENCES, Report, attitude_of
+from boards.chips.neo_m8n.timepulse import Pulse, TimePulse, TimePulseSettings
 from boards.chips.receivers.receiver import Receiver, check_start_state
 from boards.chips.receivers.sentence_input import DOLLAR
 from boards.chips.receivers.transmitter import Transmitter
@@ -30,6 +33,14 @@ HEADING_AFTER_NS = 10 * SECOND
 BUFFER_BYTES = 4096
 LONGEST_LINE = 128
 ACCEPTED = b"$>\r\n"
+PULSE = TimePulseSettings(
+    active=True,
+    unlocked=Pulse(SECOND, 0),
+    locked=Pulse(SECOND, SECOND // 10),
+    delay_ns=0,
+    active_high=True,
+    utc_grid=True,
+)
 
 
 class DualAntennaReceiver(Receiver[Report]):
@@ -68,6 +79,8 @@ class DualAntennaReceiver(Receiver[Report]):
             if value not in possible:
                 raise ValueError(f"{name}: {what} = {value!r}; possible: {', '.join(map(str, possible))}")
         super().__init__(time, world, Transmitter(time, tx, BUFFER_BYTES), name, strict=strict)
+        self.pins = {"PPS": None}
+        self._pulse = TimePulse(time)
         self._own_baud = baud
         self._own_sentences = dict.fromkeys(sentences, rate_hz)
         self._rate_hz = rate_hz
@@ -86,6 +99,12 @@ class DualAntennaReceiver(Receiver[Report]):
 
     def _start_port(self, epoch: GnssEpoch) -> None:
         self._transmitter.start(self._own_baud)
+        self._pulse.net = self.pins["PPS"]
+        self._pulse.configure(PULSE)
+
+    def _halt(self) -> None:
+        super()._halt()
+        self._pulse.stop()
 
     # -- navigation --------------------------------------------------------------------------------
 
@@ -95,6 +114,7 @@ class DualAntennaReceiver(Receiver[Report]):
 
     def _solve(self, epoch: GnssEpoch, now_ns: int) -> Report:
         fix = epoch.fix and now_ns - self._started_ns >= FIX_AFTER_NS[self._state]
+        self._pulse.follow(epoch.gps_time_ns, epoch.leap_seconds, fix)
         if fix and self._fixed_ns is None:
             self._fixed_ns = now_ns
         ready = self._fixed_ns is not None and now_ns - self._fixed_ns >= HEADING_AFTER_NS

@@ -46,7 +46,7 @@ class Navigation(NavigationState):
     ten-sample mean."""
 
     def __init__(self, kernels: NavigationKernels, config: NavConfig) -> None:
-        super().__init__(kernels, config, MEAN_AT + APP_SIZE, CLOCK_AT + CLOCK_SIZE)
+        super().__init__(kernels, config, int(MEAN_AT) + APP_SIZE, int(CLOCK_AT) + CLOCK_SIZE)
         reset_clock(self.i, CLOCK_AT)
         self.kernels = kernels
 

@@ -21,6 +21,7 @@ from firmware.apps.gnss_ins.announcements import Announcer
 from firmware.apps.gnss_ins.output import Output
 from hal.board_io import BoardIo
 
+
 def program(io: BoardIo, profile: Mapping[str, Any], installation: Mapping[str, Any]) -> CarMems:
     """The image in flash. Raises ValueError for a profile that no program could mean."""
     return CarMems(io, Settings.of(profile), installation)

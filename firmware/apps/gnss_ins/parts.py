@@ -53,12 +53,20 @@ class Navigation(Protocol):
 class Receiver(Protocol):
     """Who knows what the receiver says."""
 
-    latest: list[int]
-    """The epoch that the filter took last."""
-    port_errors: int
-    """Framing errors and overruns of the port since it runs."""
-    pulse_dated: bool
-    """Whether the time pulse dated the last epoch."""
+    @property
+    def latest(self) -> list[int]:
+        """The epoch that the filter took last."""
+        ...
+
+    @property
+    def port_errors(self) -> int:
+        """Framing errors and overruns of the port since it runs."""
+        ...
+
+    @property
+    def pulse_dated(self) -> bool:
+        """Whether the time pulse dated the last epoch."""
+        ...
 
     @property
     def epochs(self) -> int:

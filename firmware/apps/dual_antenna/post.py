@@ -1,0 +1,35 @@
+"""What the FPGA hands to the DSP: records into the memory's rings, and word of them."""
+
+from __future__ import annotations
+
+from firmware.apps.dual_antenna import memory_map as at
+from hal.board_io import BoardIo
+
+
+class Post:
+    """Tells the DSP what has come."""
+
+    def __init__(self, io: BoardIo, starts: int) -> None:
+        self.starts = starts & at.WORD_MASK
+        self._memory = io.memories["exchange"]
+        self._samples = 0
+        self._epochs = 0
+
+    def sample(self, record: bytes) -> None:
+        """A sample into the ring, and word of it."""
+        slot = self._samples % at.SAMPLES
+        self._memory.write(slot * at.SAMPLE_WORDS, record)
+        self._samples += 1
+        self._ring()
+
+    def epoch(self, record: bytes) -> None:
+        """An epoch likewise."""
+        slot = self._epochs % at.EPOCHS
+        self._memory.write(at.EPOCHS_AT + slot * at.EPOCH_WORDS, record)
+        self._epochs += 1
+        self._ring()
+
+    def _ring(self) -> None:
+        epochs = (self._epochs & at.BYTE) << at.EPOCH_SHIFT
+        starts = (self.starts & at.BYTE) << at.START_SHIFT
+        self._memory.ring(self._samples & at.COUNT_MASK | epochs | starts)
