@@ -14,6 +14,7 @@ help:  ## show this list
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-8s %s\n", $$1, $$2}'
 
 setup: $(STAMP)  ## make .venv with the command navtwin in it
+	@$(BIN)/python -m hal.engine_build
 
 $(STAMP): pyproject.toml
 	@test -n "$(PYTHON)" || { echo "navtwin needs Python 3.11 or newer; give one: make PYTHON=/path/to/python3"; exit 1; }

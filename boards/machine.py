@@ -9,8 +9,9 @@ from types import FrameType
 
 from greenlet import greenlet
 
-from hal.emulated.cpu import EmulatedCpu, PowerOff, SpinError, switch_to_host
+from hal.emulated.cpu import EmulatedCpu, switch_to_host
 from hal.emulated.virtual_time import VirtualTime
+from hal.endings import PowerOff, SpinError
 
 STALL_LIMIT_S = 60.0
 """Wall-clock seconds without any progress of virtual time after which a firmware loop is called endless."""

@@ -1,1 +1,5 @@
 """The interfaces of `hal` on virtual time."""
+
+from hal import engine
+
+engine.attach(__path__)

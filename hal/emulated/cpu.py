@@ -14,6 +14,7 @@ from greenlet import getcurrent, greenlet
 from hal.board_io import NotNamedError
 from hal.emulated.interrupt_line import NEVER_YET, EmulatedLine, LineSpec
 from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
+from hal.endings import ProcessorReset, SpinError
 from hal.interrupts import LineFigures
 
 INTERRUPT_ENTRY_CYCLES = 12
@@ -32,18 +33,6 @@ THREAD_PRIORITY = 1 << 30
 
 RESET_BIT = 1
 """The reset request, as a line more urgent than all others that nothing can mask."""
-
-
-class SpinError(RuntimeError):
-    """The firmware waits in a loop for something that does not come."""
-
-
-class PowerOff(BaseException):
-    """Unwinds the firmware when the run ends. Firmware must not catch BaseException."""
-
-
-class ProcessorReset(BaseException):
-    """Unwinds the firmware to its reset vector."""
 
 
 class EmulatedCpu:
@@ -89,9 +78,9 @@ class EmulatedCpu:
         self._all_lines = [self._reset_line(), *self.lines.values()]
         self._most_urgent: dict[int, EmulatedLine] = {}
         """By the bits of all lines that are ready."""
-        self._thread = EmulatedLine(self, LineSpec("main", THREAD_PRIORITY), 0)
-        self._thread.open = RESET_BIT
-        self.running = self._thread
+        self._main = EmulatedLine(self, LineSpec("main", THREAD_PRIORITY), 0)
+        self._main.open = RESET_BIT
+        self.running = self._main
         """Whose code runs: a line's handler, or the thread that all lines may interrupt."""
 
     def _make_lines(self, specs: Sequence[LineSpec]) -> dict[str, EmulatedLine]:
@@ -161,7 +150,7 @@ class EmulatedCpu:
             now = time.now
         if self._boot_ns:
             now -= self._boot_ns
-        return now * self._clock_rate // SECOND
+        return now + now * self.crystal_error_ppb // SECOND
 
     def clock_at(self, time_ns: int) -> int:
         """What this processor's clock shows at a virtual time (a capture unit's latch, without an access)."""
@@ -294,9 +283,9 @@ class EmulatedCpu:
     def set_enabled(self, bit: int, enabled: bool) -> None:
         """Enable or disable a line for all priority levels."""
         self._enabled = self._enabled | bit if enabled else self._enabled & ~bit
-        self._thread.open = self._enabled | RESET_BIT
+        self._main.open = self._enabled | RESET_BIT
         for line in self.lines.values():
-            line.open = line.above & self._thread.open
+            line.open = line.above & self._main.open
         if self.pending & self.running.open and not self.parked:
             self.serve()
 
@@ -435,8 +424,8 @@ class EmulatedCpu:
         for line in self.lines.values():
             line.open = RESET_BIT
             line.nested_ns = 0
-        self._thread.open = RESET_BIT
-        self.running = self._thread
+        self._main.open = RESET_BIT
+        self.running = self._main
         self._polls = POLL_LIMIT
         raise ProcessorReset(self._reset_cause)
 

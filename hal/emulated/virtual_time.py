@@ -10,8 +10,8 @@ from heapq import heapify, heappop, heappush, heapreplace
 from typing import Any
 
 SECOND = 1_000_000_000
-FAR = 1 << 62
-"""A time that is never reached (146 years)."""
+FAR = (1 << 62) - 1
+"""A time that is never reached (146 years), and the largest integer that machine code keeps in a register."""
 
 RELEASED = -1
 SENTINELS = 3

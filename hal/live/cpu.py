@@ -22,6 +22,7 @@ from collections.abc import Callable, Mapping
 from threading import Condition, RLock, get_ident
 
 from hal.board_io import NotNamedError
+from hal.endings import PowerOff, ProcessorReset
 from hal.interrupts import LineFigures
 from hal.live.alarms import Alarm, AlarmCallback, Alarms
 from hal.live.interrupt_line import LiveLine
@@ -31,14 +32,6 @@ LOOKS_WITHOUT_REST = 64
 threads that it waits for."""
 THREAD_LEVEL = 1 << 62
 """Priority of the program outside of handlers: every line is more urgent."""
-
-
-class ProcessorReset(BaseException):
-    """Unwinds the firmware to its reset vector. Firmware must not catch BaseException."""
-
-
-class PowerOff(BaseException):
-    """Unwinds the firmware for good."""
 
 
 class LiveCpu:

@@ -19,6 +19,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from hal import engine
+
 WANTED = {
     "real_time_factor": 1440.0,
     "real_time_factor_with_capture": 1000.0,
@@ -54,6 +56,7 @@ def main() -> None:
         print(json.dumps(read_us(options.repeats), indent=1))
         return
     if options.bytecodes:
+        os.environ[engine.CHOICE] = "interpreted"  # machine code has no byte codes
         _show_bytecodes()
         return
     if hasattr(os, "sched_setaffinity"):

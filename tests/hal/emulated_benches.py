@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from hal.can import CanFrame
 from hal.conformance.i2c import I2cCase
 from hal.emulated.can import CanNode, EmulatedCanBus, EmulatedCanController
-from hal.emulated.cpu import EmulatedCpu, ProcessorReset
+from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.i2c import EmulatedI2cBus
 from hal.emulated.interrupt_line import EmulatedLine, LineSpec
 from hal.emulated.pins import EmulatedInputPin, EmulatedOutputPin, Net
@@ -17,6 +17,7 @@ from hal.emulated.timers import EmulatedCaptureTimer, EmulatedPeriodicTimer
 from hal.emulated.uart import EmulatedUart, UartWire
 from hal.emulated.virtual_time import VirtualTime
 from hal.emulated.watchdog import EmulatedWatchdog
+from hal.endings import ProcessorReset
 from hal.errors import ErrorKind
 
 MS = 1_000_000

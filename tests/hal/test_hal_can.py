@@ -8,8 +8,8 @@ from hypothesis import strategies as st
 from hal.can import CanFrame
 from hal.emulated.can import CanNode, EmulatedCanBus, EmulatedCanController
 from hal.emulated.can_frame import frame_bits
-from hal.emulated.cpu import ProcessorReset
 from hal.emulated.virtual_time import SECOND, VirtualTime
+from hal.endings import ProcessorReset
 
 MS = 1_000_000
 

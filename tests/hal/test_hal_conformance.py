@@ -62,10 +62,16 @@ def test_checks_find_a_wrong_backend() -> None:
 class DoubleLatching(emulated.EmulatedPins):
     """A backend that pends both edges whatever was chosen."""
 
+    class BothEdges:
+        def __init__(self, real: Any) -> None:
+            self._real = real
+
+        def interrupt_on(self, _edge: pins.Edge, line: Any) -> None:
+            self._real.interrupt_on(pins.Edge.BOTH, line)
+
     def __init__(self) -> None:
         super().__init__()
-        real = self.input.interrupt_on
-        self.input.interrupt_on = lambda _edge, line: real(pins.Edge.BOTH, line)  # type: ignore[method-assign]
+        self.input = self.BothEdges(self.input)  # type: ignore[assignment]
 
 
 def test_checks_find_wrong_edges() -> None:

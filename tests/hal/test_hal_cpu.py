@@ -5,13 +5,14 @@ from emulated_benches import Complementing
 
 import hal.emulated.cpu
 from boards.machine import Machine
-from hal.emulated.cpu import EmulatedCpu, ProcessorReset, SpinError
+from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.interrupt_line import LineSpec
 from hal.emulated.pins import EmulatedInputPin, EmulatedOutputPin, Net
 from hal.emulated.spi import EmulatedSpiBus, SpiTiming
 from hal.emulated.timers import EmulatedPeriodicTimer
 from hal.emulated.virtual_time import VirtualTime
 from hal.emulated.watchdog import EmulatedWatchdog
+from hal.endings import ProcessorReset, SpinError
 from hal.pins import Edge
 
 US = 1000

@@ -3,12 +3,12 @@
 import pytest
 from emulated_benches import processor
 
-from hal.emulated.cpu import ProcessorReset
 from hal.emulated.pins import EmulatedInputPin, EmulatedOutputPin, Net
 from hal.emulated.storage import CardTiming, EmulatedLogFile
 from hal.emulated.timers import EmulatedCaptureTimer, EmulatedPeriodicTimer
 from hal.emulated.virtual_time import SECOND
 from hal.emulated.watchdog import EmulatedWatchdog
+from hal.endings import ProcessorReset
 from hal.pins import Edge
 
 MS = 1_000_000

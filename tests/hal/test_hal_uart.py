@@ -8,10 +8,11 @@ from emulated_benches import Collector, processor
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from hal.emulated.cpu import EmulatedCpu, ProcessorReset
+from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.uart import EmulatedUart, UartWire
 from hal.emulated.uart_bytes import SentBytes, rates_agree, sample
 from hal.emulated.virtual_time import SECOND, VirtualTime
+from hal.endings import ProcessorReset
 
 ENTRY_NS = 72
 """12 cycles at 168 MHz, rounded up."""

@@ -14,10 +14,11 @@ from rfc2217_server import Rfc2217Server
 
 from hal.can import CanFrame
 from hal.conformance.i2c import I2cCase
+from hal.endings import ProcessorReset
 from hal.errors import ErrorKind
 from hal.live.bus_pirate_buses import BusPirateI2c, BusPirateSpi
 from hal.live.can import LiveCan
-from hal.live.cpu import LiveCpu, ProcessorReset
+from hal.live.cpu import LiveCpu
 from hal.live.interrupt_line import LiveLine
 from hal.live.pins import ModemInput, ModemInputLine, ModemOutput, ModemOutputLine
 from hal.live.serial_link import SerialLink

@@ -8,7 +8,7 @@ import pytest
 
 from boards import machine
 from hal.emulated import cpu
-from hal.emulated.cpu import SpinError
+from hal.endings import SpinError
 from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.run.runner import run

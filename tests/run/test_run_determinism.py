@@ -51,12 +51,12 @@ def test_another_seed_writes_others(first: tuple[Path, dict[str, bytes]], tmp_pa
 
 
 @pytest.mark.parametrize("profile", ["full-rate", "thesis"])
-def test_interpreted_kernels_end_in_the_same_state(profile: str) -> None:
+def test_interpreted_kernels_and_engine_end_in_the_same_state(profile: str) -> None:
     script = (
         "from host.record.result import RunRequest; from host.run.runner import run;"
         f"print(run(RunRequest('car_mems', {str(SHORT_DRIVE)!r}, {profile!r}, 1, ({CUT!r},))).state_hash)"
     )
-    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1", "NAVTWIN_ENGINE": "interpreted"}
     done = subprocess.run(
         [sys.executable, "-c", script], env=environment, capture_output=True, text=True, timeout=300
     )

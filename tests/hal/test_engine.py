@@ -1,0 +1,79 @@
+"""The engine as machine code: taken for exactly its sources, built whole or not at all."""
+
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from hal import engine, engine_build
+
+EMULATED = Path(engine.__file__).parent / "emulated"
+
+
+def _origin_of_the_processor(**environment: str) -> str:
+    program = "import hal.emulated.cpu as cpu; print(cpu.__file__)"
+    variables = {key: value for key, value in os.environ.items() if key != engine.CHOICE}
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**variables, **environment, "PYTHONPATH": str(EMULATED.parents[1])},
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=True,
+    )
+    return done.stdout.strip()
+
+
+def test_what_is_built_is_taken() -> None:
+    if not engine.folder().exists():
+        pytest.skip("the engine is not built here (python -m hal.engine_build): everything ran interpreted")
+    assert _origin_of_the_processor().startswith(str(engine.folder()))
+
+
+def test_sources_are_taken_where_that_is_chosen() -> None:
+    assert _origin_of_the_processor(**{engine.CHOICE: "interpreted"}) == str(EMULATED / "cpu.py")
+
+
+def test_a_changed_source_does_not_hide_behind_old_machine_code(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    copy = tmp_path / "emulated"
+    shutil.copytree(EMULATED, copy)
+    monkeypatch.setattr(engine, "_SOURCES", copy)
+    before = engine.folder()
+    assert before == engine.folder()
+    for path in engine.sources():
+        text = path.read_text()
+        path.write_text(text + "\n")
+        assert engine.folder() != before, path
+        path.write_text(text)
+
+
+def test_another_interpreter_takes_no_foreign_machine_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = engine.folder()
+    monkeypatch.setattr(sys, "version", "3.99")
+    assert engine.folder() != before
+
+
+def test_without_a_compiler_nothing_is_left_and_the_message_names_the_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(engine, "MODULES", ("virtual_time",))
+    for variable in ("CC", "LDSHARED"):
+        monkeypatch.setenv(variable, "/no/such/compiler")
+    with pytest.raises(engine_build.NotPossibleError, match="apt install gcc python3-dev"):
+        engine_build.build()
+    assert not list((tmp_path / "lib" / "navtwin-engine").iterdir())
+
+
+def test_an_environment_that_cannot_be_written_is_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "lib").write_text("a file")
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    with pytest.raises(engine_build.NotPossibleError, match="navtwin-engine cannot be written"):
+        engine_build.build()
