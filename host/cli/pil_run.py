@@ -81,6 +81,8 @@ def _print_kernels(console: Console, result: PilResult) -> None:
         figures = result.cycles.get(name, {})
         table.add_row(str(calls), name, *(f"{figures[key]:.0f}" for key in ("mean", "most") if figures))
     console.print(table)
+    for name, number in result.parts.items():
+        console.print(f"{number:8} {result.cycles_are}: {name}", highlight=False)
 
 
 def _print_verdict(console: Console, result: PilResult) -> None:

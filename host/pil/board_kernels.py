@@ -11,11 +11,13 @@ from host.run.surroundings import Surroundings
 from host.run.warm_up import BOOT_NS
 from host.sim.world import World
 
-PACKAGES = ("firmware.nav.", "firmware.apps.")
-"""Where what navigates lies; parsers and frames are not compared."""
+NAVIGATION = ("firmware.nav.", "firmware.apps.")
+"""Where what navigates lies."""
+ALL = ("firmware.",)
+"""With parsers and frames."""
 
 
-def kernels_of(setup: Setup, world: World) -> list[TargetKernel]:
+def kernels_of(setup: Setup, world: World, packages: tuple[str, ...] = NAVIGATION) -> list[TargetKernel]:
     """Of a board with one profile, which boots for this in a world of its own. Raises UserError."""
     with entries_named() as asked:
         board = assemble(setup.board, setup.profile, Surroundings(world, None))
@@ -32,7 +34,7 @@ def kernels_of(setup: Setup, world: World) -> list[TargetKernel]:
     found = [
         kernel
         for kernel in registered_kernels()
-        if kernel.name in names and kernel.name.startswith(PACKAGES) and kernel.signature is not None
+        if kernel.name in names and kernel.name.startswith(packages) and kernel.signature is not None
     ]
     if not found:
         raise UserError(f"board {setup.board.name}: its program asks for no kernels of navigation")

@@ -15,7 +15,7 @@ from __future__ import annotations
 import functools
 import struct
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -81,6 +81,8 @@ class Lockstep:
     counts: dict[str, Counts] = field(default_factory=dict)
     skipped: Counter[str] = field(default_factory=Counter)
     """Calls of kernels that are not in the image."""
+    latest: dict[str, tuple[Any, ...]] = field(default_factory=dict)
+    """Arguments of the last call of each kernel; its arrays go on changing."""
     steps: int = 0
     """Calls seen."""
     compared: int = 0
@@ -118,6 +120,7 @@ class Lockstep:
         record = b"".join((bytes((kernel.number, len(patches))), head, *patches, struct.pack("<Q", digest)))
         self._waiting.append(Call(self.steps, kernel, record, digest, places, left, slots))
         self._bytes_waiting += len(record)
+        self.latest[kernel.name] = arguments
         self.steps += 1
         if self.steps >= self.limit:
             self.flush()
@@ -142,10 +145,12 @@ class Lockstep:
                 self._waiting.clear()
         self._bytes_waiting = 0
 
-    def forget_arrays(self) -> None:
-        """The arrays of the calls to come are others."""
+    def forget_arrays(self, sizes: Iterable[int]) -> None:
+        """The arrays of the calls to come are others, of so many bytes."""
         self.flush()
-        self._mirror = Mirror(self.link, self.memory, self.flush)
+        self._mirror.release()
+        if not self._mirror.has_room(sizes):
+            self._mirror = Mirror(self.link, self.memory, self.flush)
 
     def _before(
         self, kernel: TargetKernel, arguments: tuple[Any, ...]
@@ -166,7 +171,7 @@ class Lockstep:
         if length > LONG_PATCH or sum(len(runs) for _, runs in changes) > 255:
             self.flush()
             for place, _ in changes:
-                self._mirror.write(place, place.array)
+                self._mirror.update(place)
             changes = []
         patches = [
             struct.pack("<BHH", place.handle, at, len(data)) + data

@@ -8,14 +8,17 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from firmware.link.stand_alone import StandAlone
 from firmware.numerics.dialect import entries_observed
 from hal.emulated.virtual_time import SECOND
-from host.pil.board_kernels import kernels_of
+from host.pil.board_kernels import ALL, NAVIGATION, kernels_of
 from host.pil.image import Image, build_image
+from host.pil.kernel_table import TargetKernel
 from host.pil.lockstep import Counts, Lockstep
 from host.pil.monitor_link import MonitorLink, open_port
+from host.pil.navigation_parts import parts_after, ticks_of_parts
 from host.pil.qemu import emulated_board, instructions
-from host.pil.stand_alone import stand_alone_of
+from host.pil.stand_alone import kernel_name, stand_alone_of
 from host.pil.toolchain import EMULATOR, version_of
 from host.pil.unit_trials import run_trials, unit_kernels
 from host.record.result import RunRequest
@@ -42,6 +45,11 @@ class PilRequest:
     unit: bool = False
     """Each kernel on its own instead of the twin's run; `steps` is then no limit."""
 
+    @property
+    def counts_parts(self) -> bool:
+        """Whether inner kernels are counted, which a flashed image does not hold."""
+        return self.counting and self.port is None and not self.unit
+
 
 @dataclass(slots=True)
 class PilResult:
@@ -65,6 +73,8 @@ class PilResult:
     cycles: dict[str, dict[str, float]] = field(default_factory=dict)
     """Mean, least and most of each kernel: instructions when counting, core cycles of a real board."""
     cycles_are: str | None = None
+    parts: dict[str, int] = field(default_factory=dict)
+    """Instructions of the parts of a navigation step, when counting."""
     line: dict[str, int] = field(default_factory=dict)
     versions: dict[str, str] = field(default_factory=dict)
     planted: str | None = None
@@ -89,11 +99,7 @@ def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
     if request.port is None:
         version_of(EMULATOR)
     setup, world = prepared(request.run)
-    with user_errors():
-        kernels = kernels_of(setup, world.another())
-        loop = None if request.unit else stand_alone_of(setup.board, setup.profile)
-    if request.unit:
-        kernels = unit_kernels(kernels)
+    kernels, loop = _kernels(request, setup, world)
     notice("building the image (a minute when the kernels are new) …")
     image = build_image(kernels, request.planted, loop=loop)
     with _processor(image, request) as name:
@@ -103,11 +109,14 @@ def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
             greeting = link.greet(image.identity)
             limit = NO_LIMIT if request.unit else request.steps
             lockstep = Lockstep(link, image, greeting.memory, limit)
-            begin, reached_ns, left_out = time.perf_counter(), 0, {}
+            begin, reached_ns, left_out, parts = time.perf_counter(), 0, {}, {}
             if request.unit:
                 left_out = run_trials(lockstep, notice)
             else:
                 reached_ns = _run_twin(request, setup, world, lockstep)
+            if request.counts_parts and loop is not None and lockstep.compared:
+                state = lockstep.latest[kernel_name(loop.sample)]
+                parts = ticks_of_parts(Lockstep(link, image, greeting.memory, NO_LIMIT), state)
             wall_s = time.perf_counter() - begin
         finally:
             port.close()
@@ -135,7 +144,21 @@ def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
         result.cycles = {
             name: _figures(counts, request.port is None) for name, counts in sorted(lockstep.counts.items())
         }
+        result.parts = {name: instructions(ticks) for name, ticks in parts.items()}
     return result
+
+
+def _kernels(request: PilRequest, setup: Setup, world: World) -> tuple[list[TargetKernel], StandAlone | None]:
+    """What the image holds. Costs and single kernels are of parsers and frames, too."""
+    with user_errors():
+        loop = None if request.unit else stand_alone_of(setup.board, setup.profile)
+        wanted = ALL if request.unit or request.counts_parts else NAVIGATION
+        kernels = kernels_of(setup, world.another(), wanted)
+    if request.unit:
+        return unit_kernels(kernels), None
+    if request.counts_parts and loop is not None:
+        kernels += parts_after(len(kernels))
+    return kernels, loop
 
 
 @contextmanager

@@ -74,10 +74,10 @@ def _members(loop: StandAlone, kernels: Sequence[TargetKernel]) -> dict[str, int
         "told": told,
         "each_sample": int(loop.each_sample),
         "steps": loop.steps,
-        "sample": numbers[_name(loop.sample)],
-        "epoch": numbers[_name(loop.epoch)],
-        "temperature": numbers[_name(loop.temperature)],
-        "solution": numbers[_name(loop.solution)],
+        "sample": numbers[kernel_name(loop.sample)],
+        "epoch": numbers[kernel_name(loop.epoch)],
+        "temperature": numbers[kernel_name(loop.temperature)],
+        "solution": numbers[kernel_name(loop.solution)],
         "clock_at": loop.clock.start,
         "clock_size": len(loop.clock),
         "solution_floats": loop.solution_floats,
@@ -93,7 +93,8 @@ def _members(loop: StandAlone, kernels: Sequence[TargetKernel]) -> dict[str, int
     }
 
 
-def _name(kernel: Any) -> str:
+def kernel_name(kernel: Any) -> str:
+    """Module and function."""
     function = kernel.py_func
     return f"{function.__module__}.{function.__qualname__}"
 

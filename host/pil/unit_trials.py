@@ -84,7 +84,7 @@ def _try(
         sizes = [one.nbytes for one in arrays]
         if sum(sizes) + 8 * len(sizes) > lockstep.memory or max(sizes, default=0) > LARGEST_ARRAY:
             continue
-        lockstep.forget_arrays()
+        lockstep.forget_arrays(sizes)
         lockstep.call(kernel, compiled, *arguments)
         tried += 1
     return None if tried else "its arrays are larger than the processor's memory"
