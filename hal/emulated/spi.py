@@ -188,7 +188,10 @@ class EmulatedSpiDevice:
 
     def _wait_for_wire(self) -> int:
         """Let time pass until the bus is free and chip select was high for long enough; returns now."""
-        bus = self.bus
+        bus, ready_at = self.bus, self._ready_at
+        if not bus.at_work and ready_at < self._time.limit:
+            self._time.now = ready_at
+            return ready_at
         if self._time.now < bus.free_at:
             bus.waits += 1
         while self._time.now < (free := max(bus.free_at, self._ready_at)):

@@ -263,6 +263,10 @@ class Adis16407:
 
     def _words(self, mosi: bytes | bytearray, time_ns: int) -> bytes:
         """Whole words, each answered by what the one before asked for."""
+        if len(mosi) == 2 and mosi[0] < 0x80 and mosi[0] & 0x7E != DIAG_STAT:
+            answer = self._answer
+            self._answer = self._read(mosi[0], time_ns).to_bytes(2, "big")
+            return answer
         miso = bytearray()
         count = len(mosi) // 2
         k = 0

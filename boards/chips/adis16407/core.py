@@ -186,7 +186,7 @@ class Core:
         if register is None:
             self._log.report(ReportKind.UNDOCUMENTED_ADDRESS, f"0x{address:02X}", "read", time_ns)
             return 0
-        if address in reg.OUTPUTS:
+        if reg.SUPPLY_OUT <= address <= reg.AUX_ADC:
             return self.output(address // 2 - 1)
         if address in self.overrides:
             self.overridden_reads += 1

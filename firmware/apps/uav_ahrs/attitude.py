@@ -44,10 +44,11 @@ class Attitude:
         self._config = config
         self._before[:] = self.s
         self.take_burst: Callable[..., int] = kernels.take_burst
-        """(s, i, k, raw, burst_words): a burst as the driver has it; returns what was noticed, and READY."""
+        """What `burst_memory` holds: a burst as the driver has it; returns what was noticed, and READY."""
         self._iteration: Callable[..., int] = kernels.iteration
         self._solution = kernels.solution
         self._drift = kernels.new_drift(config)
+        self._iteration_memory = (self.s, self.i, self._before, *self._drift)
         self._correction_unit = kernels.correction_unit
 
     @property
@@ -65,7 +66,11 @@ class Attitude:
     def iterate(self) -> int:
         """An iteration; returns 1, 0 or `steps.SPOILT`."""
         iteration = self._iteration
-        return iteration(self.s, self.i, self._before, *self._drift)
+        return iteration(*self._iteration_memory)
+
+    def burst_memory(self, raw: NDArray[np.uint8]) -> tuple[NDArray[Any], ...]:
+        """What `take_burst` is called with for the bursts that come in `raw`."""
+        return self.s, self.i, self.k, raw, self.burst_words
 
     def solve(self) -> NDArray[np.int64]:
         """The record of the present state (`layout.OUT_…`); what was noticed before is forgotten."""

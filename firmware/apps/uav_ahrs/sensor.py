@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from firmware.apps.uav_ahrs.attitude import Attitude
 from firmware.apps.uav_ahrs.plausibility import FAILED_ROW
@@ -60,9 +59,9 @@ class Sensor:
         self._cpu = io.cpu
         self._attitude = attitude
         self._take = attitude.take_burst
-        self._raw = self.chip.raw
+        self._burst = attitude.burst_memory(self.chip.raw)
         self._wants_self_test = settings.self_test
-        self._nothing: NDArray[np.uint8] = np.zeros(BURST_LENGTH, np.uint8)
+        self._no_burst = attitude.burst_memory(np.zeros(BURST_LENGTH, np.uint8))
         self._answers = False
         self._cost = io.cpu.cost(f"take_burst_{settings.arithmetic}")
         self._line: InterruptLine | None = None
@@ -151,13 +150,12 @@ class Sensor:
     def _on_timer(self) -> None:
         self.read_at_ns = self._clock.now_ns()
         self.reads += 1
-        attitude, take = self._attitude, self._take
+        take = self._take
         if self._answers:
             self.chip.read()
-            raw = self._raw
+            found = take(*self._burst)
         else:
-            raw = self._nothing
-        found = take(attitude.s, attitude.i, attitude.k, raw, attitude.burst_words)
+            found = take(*self._no_burst)
         self._cpu.spend(self._cost)
         if found & READY:
             self.ready()
