@@ -8,6 +8,7 @@ that of a density over half the sample rate, whichever of these it is.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -16,15 +17,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from boards.chips.world import GnssEpoch, GnssWorld
+from host.record.errors import UserError
 from host.sim.errors.sensor_kernel import move_forces
 from host.sim.gnss.faults import GNSS_FAULT_KINDS, glitches_of, refuse_baseline_faults
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.magnetic_field import MagneticField
-from host.sim.scenario.errors import named
+from host.sim.scenario.errors import ScenarioError, named
 from host.sim.scenario.schema import Scenario
 from host.sim.simulated import SimulatedVehicle
 from host.sim.trajectory.joints import Joints, examine
-from host.sim.trajectory.kinematics import C_NB, FORCE, OMEGA_DOT, OMEGA_IB
+from host.sim.trajectory.kinematics import C_NB, FORCE, HEIGHT, LATITUDE, OMEGA_DOT, OMEGA_IB
 from host.simulate.ambient import Ambient, Barometer, Magnetometer
 from host.simulate.attitude_forms import matrices, quaternions
 from host.simulate.baseline_rows import BASELINE, BASELINE_NAME, baseline_rows
@@ -35,6 +37,8 @@ from host.simulate.source import SideTable
 BLOCK = 4096
 """Samples at a time: little enough for the processor's cache."""
 IMU, RECEIVER = "imu", "gnss"
+POLEMOST = math.radians(89.9)
+LOWEST_M, HIGHEST_M = -1000.0, 100_000.0
 BOOLE = np.array([7.0, 32.0, 12.0, 32.0, 7.0]) / 90.0
 
 Floats = NDArray[np.float64]
@@ -120,7 +124,25 @@ class Drive:
         at_once = self.request.convention is Convention.INSTANT
         for first in range(0, self.samples, BLOCK):
             count = min(BLOCK, self.samples - first)
-            yield self._instants(first, count) if at_once else self._means(first, count)
+            block = self._instants(first, count) if at_once else self._means(first, count)
+            self._check_place(block)
+            yield block
+
+    def _check_place(self, block: Block) -> None:
+        """Raises ScenarioError when the drive leaves the Earth as it is computed here."""
+        latitude, height = block.truth[:, LATITUDE], block.truth[:, HEIGHT]
+        near = latitude.min() >= -POLEMOST and latitude.max() <= POLEMOST
+        if near and height.min() >= LOWEST_M and height.max() <= HIGHEST_M:
+            return
+        inside = (np.abs(latitude) <= POLEMOST) & (height >= LOWEST_M) & (height <= HIGHEST_M)
+        k = int(np.argmin(inside))
+        scenario = self.request.scenario
+        raise ScenarioError(
+            f"{scenario.path or scenario.name}: at {block.times_ns[k] / NS:g} s the drive is at latitude"
+            f" {math.degrees(latitude[k]):.6g}°, height {height[k]:,.0f} m; it must keep within"
+            f" ±{math.degrees(POLEMOST):g}° and {LOWEST_M:,.0f} … {HIGHEST_M:,.0f} m: end it before, for"
+            f" example by duration_s = {max(1, block.times_ns[k] // NS)}.0"
+        )
 
     def receiver_epochs(self) -> Iterator[tuple[int, GnssEpoch]]:
         """(time of validity in ns, epoch), in order."""
@@ -194,7 +216,10 @@ def _receiver(request: Request, vehicle: SimulatedVehicle) -> GnssWorld:
 def _ambients(request: Request) -> Iterator[Ambient]:
     scenario = request.scenario
     if request.magnetometer_hz:
-        field = MagneticField(scenario.start.utc)
+        try:
+            field = MagneticField(scenario.start.utc)
+        except UserError as error:
+            raise UserError(f"{scenario.path or scenario.name}: {error}") from None
         yield Ambient(Magnetometer(scenario.magnetometer, field, request.seed), request.magnetometer_hz)
     if request.barometer_hz:
         assert scenario.place is not None  # the schema asks for it

@@ -194,7 +194,8 @@ def test_rest_at_speed_names_the_file(tmp_path):
     [
         ("[7, -8, 0, 90]", "row 2 [7, -8, 0, 90]: duration_s must be greater than 0"),
         ("[12, 8]", "row 2 [12, 8]: type code 12 is not one of 1 … 10, 91"),
-        ("[5, 8, 1.0]", "row 2 [5, 8, 1]: period_s must be greater than 0"),
+        ("[5, 8, 1.0, 0]", "row 2 [5, 8, 1, 0]: period_s must be greater than 0"),
+        ("[5, 8, 1.0]", "row 2 [5, 8, 1]: type 5 needs 4 columns"),
         ("[7]", "trajectory.matrix[2] = [7]"),
     ],
 )

@@ -19,13 +19,21 @@ from host.sim.scenario.motion_schema import (
     Weave,
 )
 
+NEEDED = {1.0: 2, 2.0: 3, 3.0: 3, 4.0: 3, 5.0: 4, 6.0: 4, 7.0: 4, 8.0: 3, 9.0: 4, 91.0: 4, 10.0: 4}
+"""Columns up to the last one that a type reads."""
+
 
 def segment_of_row(row: Sequence[float]) -> SegmentModel:
-    """One row: type code, duration and two parameters (missing ones are 0).
+    """One row: type code, duration and two parameters; those that the type does not read may be left out.
 
-    ValueError when the code is not known or a value is out of range.
+    ValueError when the code is not known, a parameter lacks or a value is out of range.
     """
     code, duration, p, q = [float(x) for x in (*row, 0.0, 0.0)][:4]
+    if len(row) < NEEDED.get(code, 0):
+        raise ValueError(
+            f"type {code:g} needs {NEEDED[code]} columns (type, duration and parameters); for example"
+            " [7, 8, 0, 90] turns right by 90°"
+        )
     match code:
         case 1.0:
             return Cruise(kind="cruise", duration_s=duration)

@@ -85,7 +85,7 @@ class Trajectory(Table):
 
     blend_s: NotNegative = Field(default=0.5, le=10.0, examples=[0.5])
     matrix: list[Annotated[list[float], Field(min_length=2, max_length=4)]] | None = Field(
-        default=None, examples=[[[1, 60, 0, 0], [3, 10, 12, 0], [7, 8, 0, 90]]]
+        default=None, min_length=1, examples=[[[1, 60, 0, 0], [3, 10, 12, 0], [7, 8, 0, 90]]]
     )
 
     @field_validator("matrix")

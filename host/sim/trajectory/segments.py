@@ -7,7 +7,7 @@ angles are continuous to rounding whatever the segments do.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -17,6 +17,7 @@ NS = 1_000_000_000
 CHANNELS = ("speed", "yaw", "pitch", "roll")
 STANDSTILL_MPS = 1e-6
 STEEPEST = 0.5 * math.pi + 1e-9
+FASTEST_MPS = 3000.0
 LOOKS = 32
 """Instants of each piece at which the speed is looked at."""
 
@@ -126,6 +127,7 @@ def _append_segment(
     speed = channels["speed"].integrate(start_ns, rates.acceleration, state.speed, duration)
     if state.speed >= 0.0 and getattr(segment, "forwards_only", False):
         _refuse_backwards(channels["speed"].pieces[before:])
+    _refuse_too_fast(channels["speed"].pieces[before:])
     after = MotionState(
         speed=speed if rates.end_speed is None else rates.end_speed,
         yaw=channels["yaw"].integrate(start_ns, rates.turn_rate, state.yaw, duration),
@@ -142,12 +144,26 @@ def _append_segment(
 
 def _refuse_backwards(pieces: list[Piece]) -> None:
     """ValueError when the speed falls below zero."""
-    lowest = min(piece.value(piece.duration_s * k / LOOKS) for piece in pieces for k in range(LOOKS + 1))
+    lowest = min(_looks(pieces))
     if lowest < -STANDSTILL_MPS:
         raise ValueError(
             f"brings the speed down to {lowest:.4g} m/s; a vehicle stops at 0, for example by"
             ' { kind = "reach-speed", duration_s = 8.0, to_mps = 0.0 }, and backs with to_mps = -2.0'
         )
+
+
+def _refuse_too_fast(pieces: list[Piece]) -> None:
+    """ValueError when the speed grows beyond what is simulated."""
+    largest = max(map(abs, _looks(pieces)))
+    if largest > FASTEST_MPS:
+        raise ValueError(
+            f"brings the speed to {largest:,.0f} m/s; at most {FASTEST_MPS:,.0f}, for example by"
+            ' { kind = "reach-speed", duration_s = 60.0, to_mps = 250.0 }'
+        )
+
+
+def _looks(pieces: list[Piece]) -> Iterator[float]:
+    return (piece.value(piece.duration_s * k / LOOKS) for piece in pieces for k in range(LOOKS + 1))
 
 
 def _angle(
