@@ -50,9 +50,10 @@ def run_single(feed: Feed, config: FilterConfig, compass: bool, gps: bool) -> Er
     """One filter by itself, with compass (18 states), GPS or both."""
     federation = new_federation(config)
     begin(federation, config, feed.start)
+    g, n = federation.g, federation.n
     f, i = federation.central
     move = entry_point(imu_step)
-    take_compass, take_gps = entry_point(steps.central_compass_step), entry_point(steps.central_gps_step)
+    take_compass, take_gps = entry_point(steps.compass_step), entry_point(steps.gps_step)
     course = _Course(feed)
     for k, sample in enumerate(feed.inertial.tolist()):
         t_ns = (k + 1) * PERIOD_NS
@@ -60,11 +61,11 @@ def run_single(feed: Feed, config: FilterConfig, compass: bool, gps: bool) -> Er
         if (k + 1) % COMPASS_EVERY == 0:
             place = (k + 1) // COMPASS_EVERY - 1
             if compass and feed.compass_told[place]:
-                take_compass(federation.g, f, i, *feed.compass[place].tolist(), t_ns)
+                take_compass(g, n, f, i, *feed.compass[place].tolist(), t_ns)
         if (k + 1) % GPS_EVERY == 0:
             place = (k + 1) // GPS_EVERY - 1
             if gps and feed.epochs_told[place]:
-                take_gps(federation.g, f, i, feed.epochs[place], 1.0)
+                take_gps(g, n, f, i, feed.epochs[place])
             course.note(place, f, i)
     return course.errors()
 
@@ -74,16 +75,18 @@ def run_federated(feed: Feed, config: FilterConfig) -> FederatedErrors:
     federation = new_federation(config)
     begin(federation, config, feed.start)
     g, n = federation.g, federation.n
-    move = entry_point(steps.inertial_step)
+    move = entry_point(imu_step)
     take_compass, take_gps = entry_point(steps.compass_step), entry_point(steps.gps_step)
     fuse = entry_point(steps.fusion_step)
     course = _Course(feed)
     isolated = np.zeros((len(feed.truth), 2), np.bool_)
     cause = np.zeros((len(feed.truth), 2), np.int64)
     arrays = federation.all
+    filters = federation.compass, federation.gps, federation.master
     for k, sample in enumerate(feed.inertial.tolist()):
         t_ns = (k + 1) * PERIOD_NS
-        move(*arrays, t_ns, PERIOD, *sample)
+        for f, i in filters:
+            move(f, i, t_ns, PERIOD, *sample)
         if (k + 1) % COMPASS_EVERY == 0:
             place = (k + 1) // COMPASS_EVERY - 1
             if feed.compass_told[place]:

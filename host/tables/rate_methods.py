@@ -1,4 +1,4 @@
-"""The four methods of the angular rate on one rotation after another: error of each, RMS over time and seeds."""
+"""The four methods of the angular rate on one rotation after another: RMS error over time and seeds."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
 """Nine accelerometers on a rotation in closed form: what each of them feels at any time, with its errors.
 
-    a = A + ω̇ × u + ω × (ω × u),    ω(t) = r(t) (m + s sin(2π f t + p)) about each axis, r from 0 to 1 within 2 s
+    a = A + ω̇ × u + ω × (ω × u)
+    ω(t) = r(t) (m + s sin(2π f t + p)) about each axis, r from 0 to 1 within 2 s
 
 A is a force that turns and swings by some m/s², about gravity. Chips with clocks of their own are read at
 200 Hz for their newest sample, as the acquisition does.

@@ -79,7 +79,7 @@ class Beginning:
 
 @dataclass(frozen=True, slots=True)
 class Federation:
-    """The arrays of everything; `central` is the centralised filter."""
+    """The arrays of everything."""
 
     g: NDArray[Any]
     n: NDArray[np.int64]

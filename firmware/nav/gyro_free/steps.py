@@ -1,14 +1,14 @@
 """The doors of gyro-free navigation: what the navigation processor calls, and when.
 
-    accelerometer_step    each packet, 200 Hz, feed `adxl345`: rate and force from layout.ACCELERATION
-    inertial_step         each packet, feed `equivalent`: rate and force as they are given
-    compass_step          each compass reading, 10 Hz
-    gps_step              each GPS epoch, 1 Hz
-    fusion_step           after all of the packet, 1 Hz
+    imu_step       each sample, 200 Hz, of every filter (firmware.nav.imu)
+    compass_step   each compass reading, 10 Hz
+    gps_step       each GPS epoch, 1 Hz
+    fusion_step    after all of these, 1 Hz
 
 `g`, `n`: the sensor and the federation (layout). `f1`, `i1` the compass filter, `f2`, `i2` the GPS filter,
 `fm`, `im` the master, whose state is the solution (firmware.nav.solution.solution(fm, im, …)). A centralised
-filter is a pair of its own: imu_step, `central_compass_step`, `central_gps_step`.
+filter is a pair of its own with a `g` and `n` of its own, fed by imu_step, compass_step and gps_step.
+`packet_door` does all of it for one packet.
 """
 
 import numpy as np
@@ -24,39 +24,11 @@ from firmware.nav.gyro_free.federation import (
     reset_filters,
 )
 from firmware.nav.gyro_free.gps import gps_update
-from firmware.nav.gyro_free.rates import rate_step
 from firmware.nav.gyro_free.trust import compass_repeats, judge_filters, note_measurement, recover_filters
 from firmware.nav.history import seconds_between
-from firmware.nav.imu import imu_step
 from firmware.numerics.dialect import kernel
 
 RADIANS_PER_TENTH = np.float32(1.7453292519943295e-3)
-
-
-@kernel(
-    "void(float32[::1], int64[::1], float32[::1], int64[::1], float32[::1], int64[::1], int64, float32,"
-    " float32, float32, float32, float32, float32, float32)"
-)
-def inertial_step(f1, i1, f2, i2, fm, im, t_ns, dt, wx, wy, wz, ax, ay, az):
-    """One sample of rate (rad/s) and specific force (m/s²) in body axes to all three filters."""
-    imu_step(f1, i1, t_ns, dt, wx, wy, wz, ax, ay, az)
-    imu_step(f2, i2, t_ns, dt, wx, wy, wz, ax, ay, az)
-    imu_step(fm, im, t_ns, dt, wx, wy, wz, ax, ay, az)
-
-
-@kernel(
-    "boolean(float32[::1], int64[::1], float32[::1], int64[::1], float32[::1], int64[::1],"
-    " float32[::1], int64[::1], int64, float32)"
-)
-def accelerometer_step(g, n, f1, i1, f2, i2, fm, im, t_ns, dt):
-    """The nine accelerations in layout.ACCELERATION (m/s²) of time `t_ns`, `dt` s after those before; False:
-    they were no numbers."""
-    if not rate_step(g, n, dt):
-        return False
-    o = gl.OMEGA
-    a = gl.FORCE
-    inertial_step(f1, i1, f2, i2, fm, im, t_ns, dt, g[o], g[o + 1], g[o + 2], g[a], g[a + 1], g[a + 2])
-    return True
 
 
 @kernel("boolean(float32[::1], int64[::1], float32[::1], int64[::1], int64, int64, int64, int64)")
@@ -96,18 +68,6 @@ def fusion_step(g, n, f1, i1, f2, i2, fm, im):
     recovered = recover_filters(n)
     reset_filters(g, n, f1, i1, f2, i2, fm, im, recovered)
     return fused
-
-
-@kernel("boolean(float32[::1], float32[::1], int64[::1], int64, int64, int64, int64)")
-def central_compass_step(g, f, i, heading, pitch, roll, time):
-    """The same reading to the centralised filter."""
-    return compass_update(f, i, g, true_heading(g, _radians(heading)), _radians(pitch), _radians(roll), time)
-
-
-@kernel("boolean(float32[::1], float32[::1], int64[::1], int64[::1], float32)")
-def central_gps_step(g, f, i, e, since):
-    """The same epoch to the centralised filter, `since` s after the one before."""
-    return (e[gnss.FLAGS] & gnss.HAS_POSITION) != 0 and gps_update(f, i, g, e, since)
 
 
 @kernel
