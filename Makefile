@@ -21,7 +21,7 @@ $(STAMP): pyproject.toml
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check --upgrade pip
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile --editable '.[dev]'
-	$(BIN)/python -m compileall -q boards firmware hal host
+	$(BIN)/python -m compileall -q -j 0 boards firmware hal host
 	@touch $(STAMP)
 
 run: setup  ## the main job: the car_mems board on a simulated drive through town
