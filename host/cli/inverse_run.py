@@ -166,6 +166,7 @@ def _about(asked: Asked, track: Track, sigma: float, inverse: Inverse) -> dict[s
         "trajectory": asked.trajectory.name,
         "points": len(track),
         "smooth_m": sigma,
+        "smoothed_unasked": asked.smooth is None and sigma > 0.0,
         "attitude_from": "motion" if track.attitude is None else "file",
         "columns_unused": list(track.unused),
         "samples_are": str(inverse.convention),
@@ -185,6 +186,16 @@ def _about(asked: Asked, track: Track, sigma: float, inverse: Inverse) -> dict[s
     }
 
 
+def _smoothed(about: dict[str, Any]) -> list[str]:
+    """That nobody asked for smoothing, and how to do without."""
+    if not about["smoothed_unasked"]:
+        return []
+    return [
+        f"smoothed by {about['smooth_m']:g} m, as such files come from receivers; --smooth 0 meets them,"
+        " --smooth M takes the receiver's 1 σ in m"
+    ]
+
+
 def _tell(about: dict[str, Any], done: Inverted, json_file: str | None) -> None:
     closure = done.closure.figures()
     console = standard_error() if json_file == "-" else standard_output()
@@ -192,6 +203,7 @@ def _tell(about: dict[str, Any], done: Inverted, json_file: str | None) -> None:
     lines = [
         f"{about['points']:,} points over {number(about['duration_s'])} s, passed within"
         f" {number(about['points_rms_m'])} m RMS, {number(about['points_max_m'])} m at most; {attitude}",
+        *_smoothed(about),
         f"at most {number(done.fastest_mps)} m/s and {number(done.strongest_mps2)} m/s² of specific force",
         "a forward mechanization of the increments closes to"
         f" {closure['position_rms_m']:.2g} m, {closure['velocity_rms_mps']:.2g} m/s,"
