@@ -80,6 +80,8 @@ class SerialImuStream:
 
     def _look(self, cut: int) -> bool:
         """A frame among the bytes taken so far."""
+        if self._position == self._taken:
+            return False
         state = self.state
         state[fr.CUT] = cut
         self._position = self._find(

@@ -42,7 +42,7 @@ class EmulatedDualPort:
         self.words = words
         self.word_bytes = word_bytes
         self.sides: list[EmulatedDualPortSide] = []
-        self._bytes = bytearray(words * word_bytes)
+        self.bytes = bytearray(words * word_bytes)
         self._writes: list[_Write] = []
         """Those that a read under way may have met, in order of their beginning."""
         self._reads: list[int] = []
@@ -55,18 +55,20 @@ class EmulatedDualPort:
         if len(self.sides) == 2:
             raise ValueError(f"dual-port memory {self.name!r} has two sides already")
         side = EmulatedDualPortSide(self, cpu, access_ns)
+        for other in self.sides:
+            side.other, other.other = other, side
         self.sides.append(side)
         return side
 
     def put(self, address: int, data: bytes) -> None:
         """Words that nobody reads meanwhile."""
         begin = address * self.word_bytes
-        self._bytes[begin : begin + len(data)] = data
+        self.bytes[begin : begin + len(data)] = data
 
     def get(self, address: int, count: int) -> bytes:
         """Words that nobody writes meanwhile."""
         begin = address * self.word_bytes
-        return bytes(self._bytes[begin : begin + count * self.word_bytes])
+        return bytes(self.bytes[begin : begin + count * self.word_bytes])
 
     def begin_write(self, address: int, data: bytes, start_ns: int, access_ns: int) -> _Write:
         """A write that others may come between."""
@@ -134,7 +136,9 @@ class EmulatedDualPortSide:
         self._time = cpu.time
         self._free_at = 0
         self._mailbox = 0
+        self._mask = (1 << 8 * memory.word_bytes) - 1
         self._line: EmulatedLine | None = None
+        self.other: EmulatedDualPortSide | None = None
         cpu.reset_hooks.append(self._reset)
 
     @property
@@ -144,12 +148,19 @@ class EmulatedDualPortSide:
 
     def read(self, address: int, count: int) -> bytes:
         """See `hal.dual_port.DualPortMemory`."""
-        self._check(address, count)
-        start, end = self._begin(count)
+        if address < 0 or count < 1 or address + count > self.words:
+            self._refuse(address, count)
         memory, time = self._memory, self._time
+        start = time.now
+        if start < self._free_at:
+            start = self._wait()
+        end = self._free_at = start + count * self.access_ns
+        self.transactions += 1
+        self.accesses += count
         if end < time.limit and not memory.under_way:
             time.now = end
-            return memory.get(address, count)
+            begin = address * self.word_bytes
+            return bytes(memory.bytes[begin : begin + count * self.word_bytes])
         memory.begin_read(start)
         try:
             self._cpu.wait_until(end)
@@ -159,18 +170,25 @@ class EmulatedDualPortSide:
 
     def write(self, address: int, data: bytes) -> None:
         """See `hal.dual_port.DualPortMemory`."""
-        count, rest = divmod(len(data), self.word_bytes)
+        width = self.word_bytes
+        count, rest = divmod(len(data), width)
         if rest:
             raise ValueError(
                 f"dual-port memory {self._memory.name!r}: {len(data)} bytes are no whole words of"
-                f" {self.word_bytes} bytes"
+                f" {width} bytes"
             )
-        self._check(address, count)
-        start, end = self._begin(count)
+        if address < 0 or count < 1 or address + count > self.words:
+            self._refuse(address, count)
         memory, time = self._memory, self._time
+        start = time.now
+        if start < self._free_at:
+            start = self._wait()
+        end = self._free_at = start + count * self.access_ns
+        self.transactions += 1
+        self.accesses += count
         if end < time.limit and not memory.under_way:
             time.now = end
-            memory.put(address, data)
+            memory.bytes[address * width : (address + count) * width] = data
             return
         write = memory.begin_write(address, data, start, self.access_ns)
         try:
@@ -180,45 +198,47 @@ class EmulatedDualPortSide:
 
     def ring(self, value: int) -> None:
         """See `hal.dual_port.DualPortMemory`."""
-        _, end = self._begin(1)
-        self._cpu.wait_until(end)
-        for other in self._memory.sides:
-            if other is not self:
-                other.take_ring(value & ((1 << 8 * self.word_bytes) - 1))
+        self._access_mailbox()
+        other = self.other
+        if other is not None:
+            other._mailbox = value & self._mask
+            line = other._line
+            if line is not None:
+                line.request()
 
     def rung(self) -> int:
         """See `hal.dual_port.DualPortMemory`."""
-        _, end = self._begin(1)
-        self._cpu.wait_until(end)
+        self._access_mailbox()
         return self._mailbox
 
     def interrupt_on_ring(self, line: InterruptLine) -> None:
         """See `hal.dual_port.DualPortMemory`."""
         self._line = emulated_line(line)
 
-    def take_ring(self, value: int) -> None:
-        """The other side has rung."""
-        self._mailbox = value
-        if self._line is not None:
-            self._line.request()
-
-    def _begin(self, count: int) -> tuple[int, int]:
-        """(beginning, end) of an access of `count` words; a handler waits for the one that it came into."""
+    def _access_mailbox(self) -> None:
         time = self._time
-        while time.now < self._free_at:
-            self._cpu.wait_until(self._free_at)
         start = time.now
-        self._free_at = end = start + count * self.access_ns
+        if start < self._free_at:
+            start = self._wait()
+        end = self._free_at = start + self.access_ns
         self.transactions += 1
-        self.accesses += count
-        return start, end
+        self.accesses += 1
+        if end < time.limit:
+            time.now = end
+        else:
+            self._cpu.wait_until(end)
 
-    def _check(self, address: int, count: int) -> None:
-        if address < 0 or count < 1 or address + count > self.words:
-            raise ValueError(
-                f"dual-port memory {self._memory.name!r}: words {address} … {address + count - 1};"
-                f" it has 0 … {self.words - 1}"
-            )
+    def _wait(self) -> int:
+        """A handler waits for the access that it came into; returns now."""
+        while self._time.now < self._free_at:
+            self._cpu.wait_until(self._free_at)
+        return self._time.now
+
+    def _refuse(self, address: int, count: int) -> None:
+        raise ValueError(
+            f"dual-port memory {self._memory.name!r}: words {address} … {address + count - 1};"
+            f" it has 0 … {self.words - 1}"
+        )
 
     def _reset(self) -> None:
         self._line = None

@@ -216,6 +216,4 @@ class SerialImu:
         status[beyond[:, 3:].any(axis=1)] |= frames.GYRO_RANGE
         status[beyond[:, :3].any(axis=1)] |= frames.ACCEL_RANGE
         status[ends[1:] < self._supply_ns + WARM_NS] |= frames.STARTING
-        rows = zip(counts.tolist(), status.tolist(), strict=True)
-        first = self._sample - 1
-        self._block = [frames.frame(first + k, row, flags) for k, (row, flags) in enumerate(rows)]
+        self._block = frames.frames(self._sample - 1, counts, status)

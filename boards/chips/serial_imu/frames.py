@@ -14,8 +14,10 @@ An increment is the integral of rate or specific force over the time since the s
 
 from __future__ import annotations
 
-from struct import Struct
 from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
 
 SYNC: Final = b"\xaa\x55"
 LENGTH: Final = 32
@@ -26,32 +28,41 @@ VELOCITY_LSB: Final = 1e-8
 GYRO_RANGE, ACCEL_RANGE, STARTING, SELF_TEST_FAILED = 0x0001, 0x0002, 0x0004, 0x0008
 """Status: a gyro or an accelerometer was beyond its range; not warm yet; the self-test has failed."""
 
-_BODY = Struct("<H6iH")
+_FRAME = np.dtype(
+    [("sync", "u1", 2), ("counter", "<u2"), ("counts", "<i4", 6), ("status", "<u2"), ("check", "<u2")]
+)
 _POLYNOMIAL: Final = 0x1021
 
 
-def _table() -> list[int]:
+def _table() -> NDArray[np.uint16]:
     table = []
     for value in range(256):
         remainder = value << 8
         for _ in range(8):
             remainder = (remainder << 1 ^ _POLYNOMIAL if remainder & 0x8000 else remainder << 1) & 0xFFFF
         table.append(remainder)
-    return table
+    return np.array(table, np.uint16)
 
 
 _REMAINDERS = _table()
 
 
-def check_of(data: bytes) -> int:
-    """CRC-16/CCITT-FALSE: polynomial 0x1021, start 0xFFFF, not reflected."""
-    crc = 0xFFFF
-    for value in data:
-        crc = (crc << 8 ^ _REMAINDERS[crc >> 8 ^ value]) & 0xFFFF
+def checks_of(rows: NDArray[np.uint8]) -> NDArray[np.uint16]:
+    """(n,) CRC-16/CCITT-FALSE of the rows of (n, m): polynomial 0x1021, start 0xFFFF, not reflected."""
+    crc = np.full(len(rows), 0xFFFF, np.uint16)
+    for column in rows.T:
+        crc = (crc << np.uint16(8)) ^ _REMAINDERS[(crc >> np.uint16(8)) ^ column]
     return crc
 
 
-def frame(counter: int, counts: list[int], status: int) -> bytes:
-    """One frame of six increments in their units, each within 32 bits."""
-    body = _BODY.pack(counter & COUNTER_MASK, *counts, status)
-    return SYNC + body + check_of(body).to_bytes(2, "little")
+def frames(first: int, counts: NDArray[np.int64], status: NDArray[np.int64]) -> list[bytes]:
+    """Frames numbered from `first` on; `counts` (n, 6): increments in their units, each within 32 bits."""
+    table = np.zeros(len(counts), _FRAME)
+    table["sync"] = np.frombuffer(SYNC, np.uint8)
+    table["counter"] = (first + np.arange(len(counts))) & COUNTER_MASK
+    table["counts"] = counts
+    table["status"] = status
+    rows = table.view(np.uint8).reshape(-1, LENGTH)
+    table["check"] = checks_of(rows[:, len(SYNC) : -2])
+    whole = table.tobytes()
+    return [whole[begin : begin + LENGTH] for begin in range(0, len(whole), LENGTH)]
