@@ -46,7 +46,7 @@ class AttitudeReference:
     rejoin_after: float = 30.0
     """Headings refused in a row for so long may be believed in the end (reference_trust)."""
     small_refusal: float = 2.0 * DEG
-    """Refused headings that are off by no more need no witness."""
+    """Refused headings that are off by no more need no witness after ten times as long."""
     lost_after: float = 5.0
     """Without a usable heading for so long, the reference is lost."""
 

@@ -69,7 +69,7 @@ REFUSED_SINCE = START_COUNT + 1
 WITNESSED = START_COUNT + 2
 """Epochs among them that the course judged."""
 VELOCITY_TOO = START_COUNT + 3
-"""1: meanwhile the velocity was refused as well."""
+"""1: meanwhile the velocity was refused as well, for some seconds in a row."""
 FIRST_EPOCHS = START_COUNT + 4
 REJOIN_NS = START_COUNT + 5
 LOST_NS = START_COUNT + 6

@@ -6,11 +6,12 @@ reflection, antennas confused (180 degrees). It is refused, again and again. The
 wrong too, if the start was or a gyro is; then the refused headings agree with one another, and after
 `rejoin_after` of that
 
-    off by less than `small_refusal`        yaw is made as uncertain as they are off, and the gate opens
-    by more                                  only when the course is a witness: over at least ten epochs of
-                                             straight driving it is far nearer to them than to inertial yaw
-    by more than 90 degrees                  never; but when the velocity was refused meanwhile as well, two
-                                             stand against one: alignment begins anew
+    off by up to 90 degrees      yaw is made as uncertain as they are off, and the gate opens, when the
+                                 course is a witness: over at least ten epochs of straight driving it is far
+                                 nearer to them than to the inertial yaw
+    by less than `small_refusal` without a witness too, after ten times as long: no course could tell
+    by more than 90 degrees      never; but when the velocity has been refused for some seconds as well, two
+                                 stand against one: alignment begins anew
 
 A course serves modulo 180 degrees, as a vehicle may drive backwards; it cannot speak for a flipped baseline.
 """
@@ -35,6 +36,8 @@ TWO = np.float32(2.0)
 EIGHTH = np.float32(0.125)
 MILLI = np.float32(1.0e-3)
 ENOUGH_WITNESSED = np.int64(10)
+TEN = np.int64(10)
+SOME_SECONDS = np.int64(4_000_000_000)
 
 
 @kernel
@@ -73,11 +76,13 @@ def note_refusal(f, i, e, time, residual, variance):
         f[ref.AGAINST_REFERENCE] = ZERO
     else:
         f[ref.REFUSED_MEAN] = wrap_pi(f[ref.REFUSED_MEAN] + EIGHTH * off)
-    if i[at.VELOCITY_REFUSED_SINCE] != at.NEVER:
+    since = i[at.VELOCITY_REFUSED_SINCE]
+    if since != at.NEVER and time - since >= SOME_SECONDS:
         i[ref.VELOCITY_TOO] = 1
     _hear_course(f, i, e)
-    if time - i[ref.REFUSED_SINCE] >= i[ref.REJOIN_NS]:
-        _decide(f, i, flipped)
+    lasted = time - i[ref.REFUSED_SINCE]
+    if lasted >= i[ref.REJOIN_NS]:
+        _decide(f, i, flipped, lasted >= TEN * i[ref.REJOIN_NS])
 
 
 @kernel
@@ -108,7 +113,7 @@ def _as_line(angle):
 
 
 @kernel
-def _decide(f, i, flipped):
+def _decide(f, i, flipped, very_long):
     if flipped:
         if i[ref.VELOCITY_TOO] != 0:
             report(i, REALIGNED)
@@ -118,7 +123,7 @@ def _decide(f, i, flipped):
     witnessed = i[ref.WITNESSED] >= ENOUGH_WITNESSED
     outvoted = witnessed and f[ref.AGAINST_REFERENCE] < QUARTER * f[ref.AGAINST_INERTIAL]
     mean = f[ref.REFUSED_MEAN]
-    if outvoted or abs(mean) < f[ref.SMALL_REFUSAL]:
+    if outvoted or (very_long and abs(mean) < f[ref.SMALL_REFUSAL]):
         add_variance(f, at.X_ATTITUDE + 2, mean * mean)
         report(i, REJOINED)
         forget_refusals(i)
