@@ -67,3 +67,28 @@ def test_requests_and_answers_interleaved(rig: Rig) -> None:
     registers = [0x04, 0x06, 0x08, 0x0A, 0x0C, 0x0E]
     answers = [rig.word(register << 8) for register in (*registers, 0x56)][1:]
     assert [answer & 0x3FFF for answer in answers] == [200, 0, 0, 0, 0, -300 & 0x3FFF]
+
+
+def test_small_processor_that_holds_chip_select_over_two_words() -> None:
+    """100 kHz, no pause between the words, the same request twice; a write sends the high byte first."""
+    rig = Rig(lambda t: {"wx": 10.0, "fz": -G})
+
+    def pair(first: int, second: int) -> int:
+        miso = rig.spi(first.to_bytes(2, "big") + second.to_bytes(2, "big"), 320 * US)
+        rig.wait(5 * US)
+        return int.from_bytes(miso[2:], "big")
+
+    def read(register: int) -> int:
+        return pair(register << 8, register << 8)
+
+    def write(register: int, value: int) -> None:
+        pair(0x8000 | register + 1 << 8 | value >> 8, 0x8000 | register << 8 | value & 0xFF)
+        rig.wait(2 * MS)
+
+    assert read(0x56) == 16407
+    assert read(0x04) & 0x3FFF == 200
+    write(0x1E, -800 & 0x3FFF)  # of 0.0125 deg/s: 10 deg/s
+    rig.wait(50 * MS)
+    assert read(0x04) & 0x3FFF == 0
+    assert read(0x1E) & 0x1FFF == -800 & 0x1FFF
+    assert {report.kind.value for report in rig.chip.reports} <= {"timing rule broken", "reserved bits set"}
