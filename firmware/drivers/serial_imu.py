@@ -60,6 +60,7 @@ class SerialImuStream:
         self._taken = 0
         self._last_ns = LONG_AGO_NS
         self._overruns = 0
+        self._cut = 0
 
     def take(self, received: int, now_ns: int) -> bool:
         """Look at the bytes up to number `received` of the port; True when `sample` has just been filled:
@@ -83,7 +84,8 @@ class SerialImuStream:
         if self._position == self._taken:
             return False
         state = self.state
-        state[fr.CUT] = cut
+        if cut != self._cut:
+            self._cut = state[fr.CUT] = cut
         self._position = self._find(
             state, self._view, self._position, self._taken, self._last_ns, self.sample
         )

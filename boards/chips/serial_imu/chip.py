@@ -21,7 +21,7 @@ from hal.emulated.virtual_time import SECOND, Event, VirtualTime
 
 RATES_HZ = (50, 100, 200, 400)
 SUBSAMPLES = 4
-BLOCK_S = 0.5
+BLOCK_S = 2.0
 START_UP_NS = SECOND // 2
 """From the supply to the end of the first period; a choice."""
 WARM_NS = SECOND
@@ -95,6 +95,8 @@ class SerialImu:
         self._sample = 1
         """The next to be sent, as a tick of the clock."""
         self._block: list[bytes] = []
+        self._dues: list[int] = []
+        """When the samples of the block behind its first are."""
         self._left = np.zeros(6)
         self._lefts: NDArray[np.float64] = np.empty((0, 6))
         """What rounding left behind each sample of the block."""
@@ -189,8 +191,9 @@ class SerialImu:
             self.frames_dropped += 1
         self._left = self._lefts[-len(self._block) - 1]
         self._sample += 1
-        self._due_ns = max(self._time.now + 1, self._clock.instant(self._sample) + LATENCY_NS)
-        return self._due_ns
+        due = self._dues.pop(0) if self._dues else self._clock.instant(self._sample) + LATENCY_NS
+        self._due_ns = due = max(self._time.now + 1, due)
+        return due
 
     def _fill(self) -> None:
         """The frames of the next half second."""
@@ -217,3 +220,4 @@ class SerialImu:
         status[beyond[:, :3].any(axis=1)] |= frames.ACCEL_RANGE
         status[ends[1:] < self._supply_ns + WARM_NS] |= frames.STARTING
         self._block = frames.frames(self._sample - 1, counts, status)
+        self._dues = (ends[2:] + LATENCY_NS).tolist()

@@ -17,6 +17,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 SYNC: Final = b"\xaa\x55"
@@ -34,25 +35,29 @@ _FRAME = np.dtype(
 _POLYNOMIAL: Final = 0x1021
 
 
-def _table() -> NDArray[np.uint16]:
+def _table() -> NDArray[np.int64]:
     table = []
     for value in range(256):
         remainder = value << 8
         for _ in range(8):
             remainder = (remainder << 1 ^ _POLYNOMIAL if remainder & 0x8000 else remainder << 1) & 0xFFFF
         table.append(remainder)
-    return np.array(table, np.uint16)
+    return np.array(table, np.int64)
 
 
 _REMAINDERS = _table()
 
 
-def checks_of(rows: NDArray[np.uint8]) -> NDArray[np.uint16]:
-    """(n,) CRC-16/CCITT-FALSE of the rows of (n, m): polynomial 0x1021, start 0xFFFF, not reflected."""
-    crc = np.full(len(rows), 0xFFFF, np.uint16)
-    for column in rows.T:
-        crc = (crc << np.uint16(8)) ^ _REMAINDERS[(crc >> np.uint16(8)) ^ column]
-    return crc
+@njit(cache=True, error_model="numpy")
+def seal(rows: NDArray[np.uint8]) -> None:
+    """Write the check of each row of (n, LENGTH), low byte first: polynomial 0x1021, start 0xFFFF, not
+    reflected."""
+    for row in range(rows.shape[0]):
+        crc = 0xFFFF
+        for at in range(2, LENGTH - 2):
+            crc = (crc << 8 & 0xFFFF) ^ _REMAINDERS[crc >> 8 ^ rows[row, at]]
+        rows[row, LENGTH - 2] = crc & 0xFF
+        rows[row, LENGTH - 1] = crc >> 8
 
 
 def frames(first: int, counts: NDArray[np.int64], status: NDArray[np.int64]) -> list[bytes]:
@@ -62,7 +67,6 @@ def frames(first: int, counts: NDArray[np.int64], status: NDArray[np.int64]) -> 
     table["counter"] = (first + np.arange(len(counts))) & COUNTER_MASK
     table["counts"] = counts
     table["status"] = status
-    rows = table.view(np.uint8).reshape(-1, LENGTH)
-    table["check"] = checks_of(rows[:, len(SYNC) : -2])
+    seal(table.view(np.uint8).reshape(-1, LENGTH))
     whole = table.tobytes()
     return [whole[begin : begin + LENGTH] for begin in range(0, len(whole), LENGTH)]

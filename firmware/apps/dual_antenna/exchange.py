@@ -1,7 +1,6 @@
-"""The DSP's end of the memory: samples and epochs for the tasks, the front end's health.
+"""The DSP's end of the memory: samples and epochs for the tasks.
 
-exchange     (mailbox)  what has come, and for whom
-navigation   (task)     a strapdown step for each sample
+navigation   (mailbox)  what has come, and a strapdown step for each sample
 filter       (task)     a Kalman update for each epoch
 """
 
@@ -38,7 +37,6 @@ class Exchange:
         self._navigation = navigation
         self._f, self._i = navigation.f, navigation.i
         self._step = navigation.kernels.sample_step
-        self._ring_cost = io.cpu.cost("exchange")
         self._step_cost = io.cpu.cost(f"navigation_{settings.precision}")
         self._update_cost = io.cpu.cost(f"filter_{settings.precision}")
         self._sample_bytes = bytearray(at.SAMPLE_WORDS * at.WORD)
@@ -49,10 +47,8 @@ class Exchange:
         self._posted = self._taken = 0
         """Samples, modulo 2¹⁶."""
         self._epochs_posted = 0
-        self._begins_anew = False
         self._steps_per_output = settings.steps_per_output
         self._steps = 0
-        self._navigation_line = io.interrupts.attach("navigation", self._on_samples)
         self._filter_line = io.interrupts.attach("filter", self._on_epochs)
 
     @property
@@ -68,7 +64,7 @@ class Exchange:
     def begin(self, send: Callable[[], None]) -> None:
         """Take what comes from now on; `send` is the output task."""
         self._output_line = self._interrupts.attach("output", send)
-        line = self._interrupts.attach("exchange", self._on_ring)
+        line = self._interrupts.attach("navigation", self._on_ring)
         self._word = word = self._memory.rung()
         self._posted = self._taken = word & at.COUNT_MASK
         self._epochs_posted = word >> at.EPOCH_SHIFT & at.BYTE
@@ -76,53 +72,44 @@ class Exchange:
 
     def _on_ring(self) -> None:
         word = self._memory.rung()
-        self._cpu.spend(self._ring_cost)
-        if (word ^ self._word) >> at.START_SHIFT:
-            self._follow_restart()
+        if (word ^ self._word) >> at.EPOCH_SHIFT:
+            self._take_news(word)
         self._word = word
-        posted = word & at.COUNT_MASK
-        if posted != self._posted:
-            self._posted = posted
-            self._navigation_line.pend()
+        self._posted = word & at.COUNT_MASK
+        while self._taken != self._posted:
+            self._take_sample()
+
+    def _take_news(self, word: int) -> None:
+        """An epoch has come, or the front end has begun anew: then it counts from zero, and so does its
+        clock, and navigation has to begin anew, too."""
+        if (word ^ self._word) >> at.START_SHIFT:
+            self._taken = self._epochs_posted = 0
+            if self._word >> at.START_SHIFT:
+                self._navigation.begin_anew()
+                self.restarts += 1
         epochs = word >> at.EPOCH_SHIFT & at.BYTE
         if epochs != self._epochs_posted:
             self._epochs_posted = epochs
             self._filter_line.pend()
 
-    def _follow_restart(self) -> None:
-        """The front end counts from zero, and so does its clock: navigation has to begin anew."""
-        self._taken = self._posted = self._epochs_posted = 0
-        if self._word >> at.START_SHIFT:
-            self._begins_anew = True
-            self.restarts += 1
-
-    def _on_samples(self) -> None:
-        if self._begins_anew:
-            self._begin_anew()
-        while self._taken != self._posted:
-            waiting = (self._posted - self._taken) & at.COUNT_MASK
-            if waiting > at.SAMPLES:
-                self._navigation.samples_missed += waiting - at.SAMPLES
-                self._taken = (self._posted - at.SAMPLES) & at.COUNT_MASK
-            place = self._taken % at.SAMPLES * at.SAMPLE_WORDS
-            self._sample_bytes[:] = self._memory.read(place, at.SAMPLE_WORDS)
-            self._taken = (self._taken + 1) & at.COUNT_MASK
-            step = self._step
-            step(self._f, self._i, self._sample)
-            self._cpu.spend(self._step_cost)
-            self.samples += 1
-            self._steps = steps = self._steps + 1
-            if steps == self._steps_per_output:
-                self._steps = 0
-                self._output_line.pend()
-
-    def _begin_anew(self) -> None:
-        self._begins_anew = False
-        self._navigation.begin_anew()
+    def _take_sample(self) -> None:
+        waiting = (self._posted - self._taken) & at.COUNT_MASK
+        if waiting > at.SAMPLES:
+            self._navigation.samples_missed += waiting - at.SAMPLES
+            self._taken = (self._posted - at.SAMPLES) & at.COUNT_MASK
+        place = self._taken % at.SAMPLES * at.SAMPLE_WORDS
+        self._sample_bytes[:] = self._memory.read(place, at.SAMPLE_WORDS)
+        self._taken = (self._taken + 1) & at.COUNT_MASK
+        step = self._step
+        step(self._f, self._i, self._sample)
+        self._cpu.spend(self._step_cost)
+        self.samples += 1
+        self._steps = steps = self._steps + 1
+        if steps == self._steps_per_output:
+            self._steps = 0
+            self._output_line.pend()
 
     def _on_epochs(self) -> None:
-        if self._begins_anew:
-            self._begin_anew()
         place = (self._epochs_posted - 1) % at.EPOCHS * at.EPOCH_WORDS + at.EPOCHS_AT
         self._epoch[:] = np.frombuffer(self._memory.read(place, at.EPOCH_WORDS), np.int64)
         self.epochs += 1

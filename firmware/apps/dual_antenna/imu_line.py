@@ -1,7 +1,7 @@
 """The inertial unit's RS-422 line: frames become samples with the time of their validity.
 
 A sample is valid at the end of its period; its frame begins LATENCY_NS later, as the unit's sheet says, and
-takes its time on the line.
+takes its time on the line: the stream is given times that are so much earlier.
 """
 
 from __future__ import annotations
@@ -43,11 +43,9 @@ class ImuLine:
         )  # fmt: skip
 
     def _on_bytes(self) -> None:
-        now_ns = self._clock.now_ns()
+        valid_ns = self._clock.now_ns() - self._delay_ns
         received = self._uart.received()
         stream = self._stream
-        while stream.take(received, now_ns):
-            sample = stream.sample
-            sample[fr.END_NS] -= self._delay_ns
+        while stream.take(received, valid_ns):
             self._cpu.spend(self._cost)
-            self._post.sample(sample.tobytes())
+            self._post.sample(stream.sample.tobytes())

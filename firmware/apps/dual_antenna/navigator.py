@@ -1,7 +1,7 @@
 """The program of the DSP: strapdown at 200 Hz, filter at each epoch, what the host is told.
 
-exchange (mailbox) ─► navigation ─► output
-                   └► filter                     main: health, words, watchdog
+navigation (mailbox) ─► output
+                     └► filter                   main: health, words, watchdog
 """
 
 from __future__ import annotations

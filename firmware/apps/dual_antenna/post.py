@@ -14,22 +14,21 @@ class Post:
         self._memory = io.memories["exchange"]
         self._samples = 0
         self._epochs = 0
+        self._word = (self.starts & at.BYTE) << at.START_SHIFT
+        """For the mailbox, all but the samples."""
 
     def sample(self, record: bytes) -> None:
         """A sample into the ring, and word of it."""
-        slot = self._samples % at.SAMPLES
-        self._memory.write(slot * at.SAMPLE_WORDS, record)
-        self._samples += 1
-        self._ring()
+        samples, memory = self._samples, self._memory
+        memory.write(samples % at.SAMPLES * at.SAMPLE_WORDS, record)
+        self._samples = samples = samples + 1 & at.COUNT_MASK
+        memory.ring(self._word | samples)
 
     def epoch(self, record: bytes) -> None:
         """An epoch likewise."""
         slot = self._epochs % at.EPOCHS
         self._memory.write(at.EPOCHS_AT + slot * at.EPOCH_WORDS, record)
-        self._epochs += 1
-        self._ring()
-
-    def _ring(self) -> None:
-        epochs = (self._epochs & at.BYTE) << at.EPOCH_SHIFT
+        self._epochs = self._epochs + 1 & at.BYTE
         starts = (self.starts & at.BYTE) << at.START_SHIFT
-        self._memory.ring(self._samples & at.COUNT_MASK | epochs | starts)
+        self._word = starts | self._epochs << at.EPOCH_SHIFT
+        self._memory.ring(self._word | self._samples)
