@@ -211,10 +211,8 @@ class EmulatedCpu:
                 continue
             time.now = now = entry[0]
             again = callback()
-            if again is None or heap[0] is not entry or again >= heap[1][0] or again >= heap[2][0]:
+            if again is None or not now <= again < time.second_due:
                 time.put_away(entry, again)
-            elif again < now:
-                time.put_away(entry, again)  # tells what is wrong
             else:
                 entry[0] = time.next_due = time.limit = again
                 time.repeated += 1

@@ -39,7 +39,17 @@ class VirtualTime:
     earliest event.
     """
 
-    __slots__ = ("_created", "_dropped", "_horizon", "heap", "limit", "next_due", "now", "repeated")
+    __slots__ = (
+        "_created",
+        "_dropped",
+        "_horizon",
+        "heap",
+        "limit",
+        "next_due",
+        "now",
+        "repeated",
+        "second_due",
+    )
 
     def __init__(self) -> None:
         self.now = 0
@@ -47,6 +57,8 @@ class VirtualTime:
         self.limit = FAR
         """Work that ends before this needs no look at the queue: `next_due`, or the end of the first
         processor's own work while a further processor runs."""
+        self.second_due = FAR
+        """No event but the first one is due before that: what repeats before it stays first."""
         self._horizon = FAR
         # Entries that are never reached: the queue is never empty, and its first entry has two below it.
         self.heap: list[list[Any]] = [[FAR, 0, 0, _nothing] for _ in range(SENTINELS)]
@@ -77,7 +89,10 @@ class VirtualTime:
         entry = [time_ns, priority, self._created, callback]
         heappush(self.heap, entry)
         if time_ns < self.next_due:
+            self.second_due = self.next_due
             self._set_due(time_ns)
+        elif time_ns < self.second_due:
+            self.second_due = time_ns
         return Event(entry)
 
     def look_now(self) -> None:
@@ -111,7 +126,7 @@ class VirtualTime:
             return
         self.now = now = entry[0]
         again = callback()
-        if again is None or heap[0] is not entry or again >= heap[1][0] or again >= heap[2][0] or again < now:
+        if again is None or not now <= again < self.second_due:
             self.put_away(entry, again)
         else:
             entry[0] = self.next_due = self.limit = again
@@ -122,6 +137,7 @@ class VirtualTime:
         heappop(self.heap)
         self._dropped += 1
         self.next_due = self.limit = self.heap[0][0]
+        self._find_second()
 
     def put_away(self, entry: list[Any], again: int | None) -> None:
         """Take out the event that has run, or put it where it belongs now."""
@@ -133,6 +149,13 @@ class VirtualTime:
         else:
             self._put_away_from_within(entry, again)
         self.next_due = self.limit = heap[0][0]
+        self._find_second()
+
+    def _find_second(self) -> None:
+        """After the order of events has changed."""
+        heap = self.heap
+        one, other = heap[1][0], heap[2][0]
+        self.second_due = one if one < other else other
 
     def _put_away_from_within(self, entry: list[Any], again: int | None) -> None:
         """The same of an event that is over, was released or has a more urgent one before it by now."""
@@ -162,6 +185,7 @@ class VirtualTime:
         entry = heappop(self.heap)
         entry[2] = RELEASED
         self._set_due(self.heap[0][0])
+        self._find_second()
 
 
 def instant(n: int, rate_hz: int, start_ns: int = 0) -> int:
