@@ -52,8 +52,8 @@ class MagneticField:
         out = np.empty((len(c_nb), 3))
         done = 0
         while done < len(out):
-            cell = [round(float(along[done]) * side) for along, side in zip(place, SIDES, strict=True)]
-            done = turn_in_cell(*place, c_nb, done, *cell, *self._cell(*cell), out)
+            i, j, k = (round(float(along[done]) * side) for along, side in zip(place, SIDES, strict=True))
+            done = turn_in_cell(*place, c_nb, done, i, j, k, *self._cell(i, j, k), out)
         return out
 
     def _computed(self, i: int, j: int, k: int) -> tuple[Floats, Floats]:
