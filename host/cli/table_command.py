@@ -1,4 +1,4 @@
-"""`navtwin table`: the attitude computer beside the tables of its document."""
+"""`navtwin table`: boards beside the tables and figures of their documents."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from host.cli.exit_codes import guarded, whole_number
 from host.cli.simulate_command import NOTHING_KEPT
 
 app = typer.Typer(
-    help="The attitude computer beside the tables of its document.",
+    help="Boards beside the tables and figures of their documents.",
     no_args_is_help=True,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
@@ -35,7 +35,7 @@ Seed = Annotated[int, typer.Option("--seed", parser=whole_number, metavar="N", h
 
 @app.callback()
 def _group() -> None:
-    """The attitude computer beside the tables of its document."""
+    """Boards beside the tables and figures of their documents."""
 
 
 @app.command("angles")
@@ -133,5 +133,51 @@ def coning_command(
         from host.cli.table_run import show_coning
 
         return show_coning((half_angle, frequency, duration), arithmetic, output, json, quiet)
+
+    guarded(command, NOTHING_KEPT)
+
+
+@app.command("rates")
+def rates_command(
+    arm: Annotated[float, typer.Option("--arm", metavar="M", help="Length of the arms.")] = 0.25,
+    duration: Annotated[float, typer.Option("--duration", metavar="S")] = 60.0,
+    seeds: Annotated[str, typer.Option("--seeds", metavar="A-B", help="Of noise and clocks.")] = "1-20",
+    output: Output = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Angular rate from nine accelerometers by the document's three methods and by ours.
+
+    Ends with 1 when the fused rate is not as good as the best of the three.
+    """
+
+    def command() -> int:
+        from host.cli.table_gyro_free_run import show_rates
+
+        return show_rates(arm, duration, seeds, output, json, quiet)
+
+    guarded(command, NOTHING_KEPT)
+
+
+@app.command("federated")
+def federated_command(
+    duration: Annotated[int, typer.Option("--duration", metavar="S", help="Of each drive.")] = 300,
+    seeds: Annotated[str, typer.Option("--seeds", metavar="A-B", help="One drive each.")] = "1-3",
+    failures: Annotated[
+        bool, typer.Option("--failures/--no-failures", help="Also drives on which a sensor fails.")
+    ] = True,
+    output: Output = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Compass filter, GPS filter and their federation in four modes, on the document's chapter 5.
+
+    Ends with 1 when a goal is missed.
+    """
+
+    def command() -> int:
+        from host.cli.table_gyro_free_run import show_federated
+
+        return show_federated(duration, seeds, failures, output, json, quiet)
 
     guarded(command, NOTHING_KEPT)

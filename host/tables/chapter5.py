@@ -128,7 +128,7 @@ def _compass(
     duration_s: int, seed: int, failure: Failure | None
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     count = duration_s * 10
-    times = 0.1 * np.arange(1, count + 1)
+    times = 0.1 * np.arange(1, count + 1, dtype=np.float64)
     decay = math.exp(-0.1 / COMPASS_TIME)
     angles = np.empty((count, 3))
     for axis, name in enumerate(("pitch", "roll", "heading")):

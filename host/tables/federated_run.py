@@ -61,7 +61,8 @@ def run_single(feed: Feed, config: FilterConfig, compass: bool, gps: bool) -> Er
         if (k + 1) % COMPASS_EVERY == 0:
             place = (k + 1) // COMPASS_EVERY - 1
             if compass and feed.compass_told[place]:
-                take_compass(g, n, f, i, *feed.compass[place].tolist(), t_ns)
+                heading, pitch, roll = feed.compass[place].tolist()
+                take_compass(g, n, f, i, heading, pitch, roll, t_ns)
         if (k + 1) % GPS_EVERY == 0:
             place = (k + 1) // GPS_EVERY - 1
             if gps and feed.epochs_told[place]:
@@ -90,7 +91,8 @@ def run_federated(feed: Feed, config: FilterConfig) -> FederatedErrors:
         if (k + 1) % COMPASS_EVERY == 0:
             place = (k + 1) // COMPASS_EVERY - 1
             if feed.compass_told[place]:
-                take_compass(g, n, *federation.compass, *feed.compass[place].tolist(), t_ns)
+                heading, pitch, roll = feed.compass[place].tolist()
+                take_compass(g, n, *federation.compass, heading, pitch, roll, t_ns)
         if (k + 1) % GPS_EVERY == 0:
             place = (k + 1) // GPS_EVERY - 1
             if feed.epochs_told[place]:

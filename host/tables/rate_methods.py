@@ -61,8 +61,8 @@ def rate_row(
     for seed in seeds if random else seeds[:1]:
         read, truth = felt(rotation, sensors, arm, duration_s, seed)
         for method in METHODS:
-            error = rates(method, read, arm, sensors.assumed_noise) - truth
-            square = float(np.mean(error * error))
+            off = rates(method, read, arm, sensors.assumed_noise) - truth
+            square = float(np.mean(off * off))
             squares[method].append(square if np.isfinite(square) else np.inf)
     error = {method: float(np.sqrt(np.mean(values))) for method, values in squares.items()}
     every_axis = all(rotation.swing)

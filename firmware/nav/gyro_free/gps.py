@@ -5,7 +5,9 @@ While heading is not known its error turns the Earth rate to the wrong side, and
     φ_E' = ω_N φ_D,  φ_N' = −ω_E φ_D,   ω_in = (Ω cos φ + v_E / R_N, −v_N / R_M, …)
 
 The core leaves this out: a heading known to a degree makes 0.3°/h of it. Without compass it is not small and
-is done here, a second at a time (rows 6 and 7 of U take from row 8, U stays triangular).
+is done here, a second at a time (rows 6 and 7 of U take from row 8, U stays triangular). The error of heading
+also turns tilt and accelerometer bias, δψ × b, which the model takes for a turn that would tell one from the
+other; both become as uncertain as that product may be.
 
 The rows are those of the navigation core less the receiver's correlated error and its latency, which these
 filters do not have. Position (3) and velocity (3, or 2 from speed and course) pass a χ² gate each.
@@ -15,6 +17,8 @@ import numpy as np
 
 from firmware.drivers import gnss_epoch as gnss
 from firmware.nav import layout as at
+from firmware.nav import tuning as cfg
+from firmware.nav.covariance import add_variance, element
 from firmware.nav.earth import refresh_earth
 from firmware.nav.feedback import clear_correction, feed_back
 from firmware.nav.gnss_measurement import position_rows, velocity_rows
@@ -28,6 +32,7 @@ from firmware.numerics.dialect import kernel
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
+TWO = np.float32(2.0)
 LONGEST = np.float32(100.0)
 """s; a longer pause is not worth a linear model."""
 THREE = np.int32(3)
@@ -66,12 +71,18 @@ def gps_update(f, i, g, e, since):
 
 @kernel
 def _couple_heading(f, t):
-    """What the error of heading has made of tilt over `t` s."""
+    """What the error of heading has made of tilt, and of what is known of tilt and bias, over `t` s."""
     if not t <= LONGEST:
         return
     north = t * (f[at.EARTH_RATE_N] + f[at.VELOCITY + 1] * f[at.PER_NORMAL_RADIUS])
     east = -t * f[at.VELOCITY] * f[at.PER_MERIDIAN_RADIUS]
     yaw = at.X_ATTITUDE + 2
+    grown = TWO * t * abs(element(f, yaw, at.X_GYRO_BIAS + 2))
+    turned = grown * f[cfg.ACCEL_BIAS_VARIANCE]
+    per_g = ONE / f[at.GRAVITY]
+    for k in range(np.int32(2)):
+        add_variance(f, at.X_ACCEL_BIAS + k, turned)
+        add_variance(f, at.X_ATTITUDE + k, turned * per_g * per_g)
     for j in range(np.int32(yaw), np.int32(ALL)):
         column = at.U + j * at.STATES
         u = ONE if j == yaw else f[column + yaw]
