@@ -7,6 +7,7 @@ error model the sensor has; that is what makes its drift a property of the senso
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from host.sim.earth import radii_and_gravity
 from host.sim.errors.drawn import DEG, MILLI_G, Specimen, Triad
 from host.sim.errors.schema import ImuErrors
 from host.sim.mechanization import HEIGHT, LATITUDE, LONGITUDE, QUATERNION, STATE, VELOCITY
+from host.sim.schema import PerAxis
 from host.simulate.loose_prediction import (
     BIAS_G,
     ERRORS,
@@ -33,44 +35,75 @@ from host.simulate.loose_prediction import (
 
 Floats = NDArray[np.float64]
 
+LASTING_S = 1e7
 LEAST = 1e-12
 """Random walks and biases below this are taken for this, so that a perfect sensor leaves P regular."""
 
 
-def tuning_of(specimen: Specimen, errors: ImuErrors) -> Floats:
-    """What the filter knows of a sensor: random walks n/√2 of the densities, σ and T of the biases; into σ
-    goes what the temperature is to do to them."""
-    tuning = np.empty(TUNING)
-    triads: tuple[tuple[Triad, int, int, int], ...] = (
-        (specimen.gyro, WALK_G, SIGMA_G, TIME_G),
-        (specimen.accelerometer, WALK_A, SIGMA_A, TIME_A),
+@dataclass(frozen=True)
+class Known:
+    """What the filter knows of a sensor."""
+
+    tuning: Floats
+    """As `host.simulate.loose_prediction` lays it out."""
+    bias_sigmas: Floats
+    """(6,): of the biases at the beginning, gyro and accelerometer."""
+
+
+def known_of(specimen: Specimen, errors: ImuErrors) -> Known:
+    """Random walks n/√2 of the densities, σ and T of the biases; into σ goes what the temperature does.
+
+    A bias that is drawn when the sensor is switched on, or walks, does not go back to nothing: it is carried
+    as one that lasts for ever (T = LASTING_S), driven as strongly as the parts that change drive it.
+    """
+    tuning, first = np.empty(TUNING), np.empty(6)
+    rise, warming = abs(errors.temperature.rise_k), errors.temperature.rise_time_s
+    gyro, accelerometer = errors.gyro, errors.accelerometer
+    triads: tuple[tuple[Triad, tuple[int, int, int], float, PerAxis, PerAxis], ...] = (
+        (
+            specimen.gyro,
+            (WALK_G, SIGMA_G, TIME_G),
+            DEG,
+            gyro.turn_on_bias_dps,
+            gyro.bias_temperature_dps_per_k,
+        ),
+        (
+            specimen.accelerometer,
+            (WALK_A, SIGMA_A, TIME_A),
+            MILLI_G,
+            accelerometer.turn_on_bias_mg,
+            accelerometer.bias_temperature_mg_per_k,
+        ),
     )
-    rise = abs(errors.temperature.rise_k)
-    warmed = {
-        SIGMA_G: rise * DEG * np.asarray(errors.gyro.bias_temperature_dps_per_k),
-        SIGMA_A: rise * MILLI_G * np.asarray(errors.accelerometer.bias_temperature_mg_per_k),
-    }
-    for triad, walk, sigma, time in triads:
+    for k, (triad, (walk, sigma, time), unit, turn_on, per_kelvin) in enumerate(triads):
         tuning[walk : walk + 3] = np.maximum(LEAST, triad.noise_density / math.sqrt(2.0))
         drawn = np.array([max(LEAST, process.sigma) for process in triad.processes[:3]])
-        tuning[sigma : sigma + 3] = np.hypot(drawn, warmed[sigma])
-        tuning[time : time + 3] = [process.correlation_s or 1.0 for process in triad.processes[:3]]
-    return tuning
+        times = np.array([process.correlation_s or 1.0 for process in triad.processes[:3]])
+        walks = np.array([process.sigma for process in triad.processes[3:6]])
+        constant = unit * np.broadcast_to(np.asarray(turn_on, dtype=np.float64), 3)
+        warmed = unit * rise * np.broadcast_to(np.asarray(per_kelvin, dtype=np.float64), 3)
+        lasting = (constant > 0.0) | (walks > 0.0)
+        drive = 2.0 * drawn**2 / times + walks**2 + 2.0 * warmed**2 / warming
+        whole = np.hypot(drawn, warmed)
+        tuning[sigma : sigma + 3] = np.where(lasting, np.sqrt(0.5 * drive * LASTING_S), whole)
+        tuning[time : time + 3] = np.where(lasting, LASTING_S, times)
+        first[3 * k : 3 * k + 3] = np.hypot(whole, constant)
+    return Known(tuning, first)
 
 
 class LooseFilter:
     """One filter, from a roughly known beginning."""
 
-    def __init__(self, tuning: Floats, state: Floats, sigma_tilt: float, sigma_yaw: float) -> None:
+    def __init__(self, known: Known, state: Floats, sigma_tilt: float, sigma_yaw: float) -> None:
         """`state` (10,): position, velocity, q_nb; its 1 σ in rad. Velocity 0.1 m/s, position 0.1 m."""
-        self.tuning = tuning
+        self.tuning = known.tuning
         self.state = np.zeros(STATE)
         self.state[: QUATERNION + 4] = state
         self.bias = np.zeros(6)
         sigmas = np.empty(ERRORS)
         sigmas[POSITION:TILT] = 0.1
         sigmas[TILT:BIAS_G] = sigma_tilt, sigma_tilt, sigma_yaw
-        sigmas[BIAS_G:] = tuning[SIGMA_G:TIME_G]
+        sigmas[BIAS_G:] = known.bias_sigmas
         self.covariance = np.diag(sigmas**2)
 
     def predict(self, increments: Floats, lengths: Floats) -> None:

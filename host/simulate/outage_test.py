@@ -29,7 +29,7 @@ from host.sim.truth import euler_angles
 from host.simulate.attitude_forms import matrices, quaternions
 from host.simulate.drift import Drift, Plan
 from host.simulate.instants import NS
-from host.simulate.loose_filter import LooseFilter, tuning_of
+from host.simulate.loose_filter import Known, LooseFilter, known_of
 from host.simulate.stream import IMU, Block, Convention, Drive, Request
 
 Floats = NDArray[np.float64]
@@ -96,7 +96,7 @@ def _drive_along(scenario: Scenario, plan: Plan, preset: str, seed: int, progres
     )
     drive = Drive(request)
     errors = load_preset(preset)
-    tuning = tuning_of(draw_specimen(errors, seed, IMU), errors)
+    known = known_of(draw_specimen(errors, seed, IMU), errors)
     windows = plan.windows()
     found: list[list[float]] = []
     tracker: LooseFilter | None = None
@@ -105,7 +105,7 @@ def _drive_along(scenario: Scenario, plan: Plan, preset: str, seed: int, progres
     next(epochs)
     for block, ends_second in _by_second(drive):
         if tracker is None:
-            tracker = _started(tuning, block.truth[0], seed)
+            tracker = _started(known, block.truth[0], seed)
             block, before_ns = _part(block, 1, len(block.times_ns)), int(block.times_ns[0])
         lengths = np.diff(block.times_ns, prepend=before_ns) / NS
         tracker.predict(np.hstack((block.felt[:, 3:6], block.felt[:, :3])), lengths)
@@ -138,13 +138,13 @@ def _by_second(drive: Drive) -> Iterator[tuple[Block, bool]]:
             first = cut
 
 
-def _started(tuning: Floats, truth: Floats, seed: int) -> LooseFilter:
+def _started(known: Known, truth: Floats, seed: int) -> LooseFilter:
     """A filter that begins with a wrong attitude, as after an alignment."""
     draws = generator(seed, "outage_test.alignment").standard_normal(3)
     angles = _angles(truth[C_NB : C_NB + 9]) + draws * [START_YAW, START_TILT, START_TILT]
     assert (LATITUDE, LONGITUDE, HEIGHT, VELOCITY) == (0, 1, 2, 3)
     state = np.concatenate((truth[: VELOCITY + 3], quaternions(angles[None])[0]))
-    return LooseFilter(tuning, state, START_TILT, START_YAW)
+    return LooseFilter(known, state, START_TILT, START_YAW)
 
 
 def _angles(matrix: Floats) -> Floats:

@@ -76,6 +76,16 @@ def test_filter_knows_how_far_each_grade_drifts(streets: Path) -> None:
     assert drifts[0] * 5 < drifts[1] < drifts[2]
 
 
+def test_filter_knows_biases_that_stay(streets: Path) -> None:
+    """Drawn at switch-on, 0.5 °/s and 10 °/h: they neither go back to nothing nor surprise the filter."""
+    options = ("--drives", 1, "--outages", 6, "--length", 30, "--gap", 20)
+    found = sensors(figures(streets, "-p", "bmi160", "-p", "tactical-grade", *options)[1])
+    for name, most_m in (("bmi160", 100.0), ("tactical-grade", 20.0)):
+        one = found[name]
+        assert one["horizontal_rms_m"] < 1.5 * one["expected_horizontal_rms_m"], name
+        assert one["horizontal_rms_m"] < most_m, name
+
+
 def test_verdict_page_and_exit_code(streets: Path, tmp_path: Path) -> None:
     page = tmp_path / "drift.html"
     options = (streets, "-p", "stim300", "-p", "bmi160", "--drives", 2, "--outages", 1, "--gap", 10)
