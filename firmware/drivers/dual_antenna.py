@@ -19,6 +19,7 @@ NAMES: Final = {
     "THS": "GPTHS",
     "PASHR": "PASHR",
     "PSAT,HPR": "PSAT,HPR",
+    "PTNL,AVR": "PTNL,AVR",
 }
 RATES_HZ: Final = (0, 1, 2, 5, 10, 20)
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from firmware.drivers.epoch_grouping import enter, leave
 from firmware.drivers.gnss_epoch import (
+    BASELINE_MM,
     COURSE_E5DEG,
     DATE_DAYS,
     FIX_QUALITY,
@@ -31,7 +32,6 @@ from firmware.drivers.gnss_epoch import (
     LON_NANODEG,
     PDOP_CENTI,
     RECORD_SIZE,
-    ROLL_SIGMA_E5DEG,
     S_ACC_MMPS,
     SPEED_MMPS,
     TIME_OF_DAY_MS,
@@ -70,6 +70,7 @@ from firmware.drivers.receiver_state import (
     PASHR,
     PASHR_HPR,
     PSAT_HPR,
+    PTNL_AVR,
     PUBX_00,
     RANK,
     REFUSED,
@@ -147,13 +148,15 @@ def attitude_is_measured(s, message):
     """Whether an attitude sentence says that its angles are a measurement of the two antennas.
 
     PASHR: a quality from 1 to 5, or none told; PASHR,HPR: ambiguities fixed (0); PSAT,HPR: N, not the gyro;
-    HPR: fixed (4).
+    HPR: fixed (4); PTNL,AVR: fixed (3).
     """
     quality = s[ATTITUDE_QUALITY] if s[GOT + ATTITUDE_QUALITY] != 0 else np.int64(-1)
     if message == PASHR:
         return quality == -1 or (quality >= 1 and quality <= 5)
     if message == PSAT_HPR:
         return s[GOT + STATUS] != 0 and s[STATUS] == ord("N")
+    if message == PTNL_AVR:
+        return quality == 3
     return quality == (0 if message == PASHR_HPR else 4)
 
 
@@ -163,7 +166,7 @@ def from_attitude(s, message):
     if message == PASHR and s[GOT + STATUS] != 0 and s[STATUS] != ord("T"):
         return MALFORMED_MESSAGE
     if not attitude_is_measured(s, message):
-        for field in range(np.int32(ROLL_SIGMA_E5DEG - HEADING_E5DEG + 1)):
+        for field in range(np.int32(BASELINE_MM - HEADING_E5DEG + 1)):
             s[GOT + HEADING_E5DEG + field] = 0
     return FIX
 

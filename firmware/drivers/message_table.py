@@ -239,6 +239,18 @@ SENTENCES: Final[dict[int, tuple[str, int, tuple[Row, ...]]]] = {
     st.PASHR_HPR: ("RHPR", 2, (*_heading_pitch_roll(2), _quality(8))),
     st.PSAT_HPR: ("THPR", 2, (*_heading_pitch_roll(2), _letters(6))),
     st.HPR: ("HPR", 2, (*_heading_pitch_roll(1), _quality(5))),
+    st.PTNL_AVR: (
+        "LAVR",
+        2,
+        (
+            _time(2),
+            _heading(3),
+            _angle(5, ge.PITCH_E5DEG, 90),
+            _angle(7, ge.ROLL_E5DEG, 180),
+            _number(9, ge.BASELINE_MM, 3, 0, 1_000_000),
+            _quality(10),
+        ),
+    ),
     # "16D" are default leap seconds, not received ones: the letters, not a number
     st.PUBX_04: ("04", 1, (_letters(6),)),
     st.TXT: ("TXT", 1, ()),
@@ -262,6 +274,7 @@ FLAG_OF: Final = {
     ge.PITCH_E5DEG: ge.HAS_PITCH,
     ge.ROLL_E5DEG: ge.HAS_ROLL,
     ge.HEADING_SIGMA_E5DEG: ge.HAS_ATTITUDE_ACCURACY,
+    ge.BASELINE_MM: ge.HAS_BASELINE,
 }
 
 

@@ -1,6 +1,7 @@
 """Which NMEA sentence is this? Found by its address, whoever the talker is (fact sheet sections 1 to 3, 6).
 
-Proprietary addresses begin with P and the maker; PUBX and PSAT say in field 1 what they are, so may PASHR.
+Proprietary addresses begin with P and the maker; PUBX, PSAT and PTNL say in field 1 what they are, so may
+PASHR.
 """
 
 from typing import Final
@@ -22,11 +23,14 @@ from firmware.numerics.dialect import kernel
 
 PUBX_CODE: Final = int.from_bytes(b"PUBX", "big")
 PSAT_CODE: Final = int.from_bytes(b"PSAT", "big")
+PTNL_CODE: Final = int.from_bytes(b"PTNL", "big")
 PASHR_CODE: Final = int.from_bytes(b"SHR", "big")
 HPR_CODE: Final = int.from_bytes(b"HPR", "big")
+AVR_CODE: Final = int.from_bytes(b"AVR", "big")
 PSAT_HPR_CODE: Final = int.from_bytes(b"THPR", "big")
 """Codes of this table; a PSAT and a PASHR of the same kind are not the same sentence."""
 PASHR_HPR_CODE: Final = int.from_bytes(b"RHPR", "big")
+PTNL_AVR_CODE: Final = int.from_bytes(b"LAVR", "big")
 
 
 @kernel
@@ -52,6 +56,8 @@ def which_sentence(s, ring):
         code = letters(ring, mask, s[FIELD + 1], s[FIELD + 1] + 2)
     elif maker == PSAT_CODE and sort_of(s, ring, np.int64(0)) == HPR_CODE:
         code = np.int64(PSAT_HPR_CODE)
+    elif maker == PTNL_CODE and sort_of(s, ring, np.int64(0)) == AVR_CODE:
+        code = np.int64(PTNL_AVR_CODE)
     elif length == 5:
         code = letters(ring, mask, begin + 2, begin + 5)
         if code == PASHR_CODE and sort_of(s, ring, code) == HPR_CODE:

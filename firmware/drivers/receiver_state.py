@@ -135,7 +135,7 @@ FLAG_OF: Final = WORK + RECORD_SIZE
 MESSAGES: Final = FLAG_OF + RECORD_SIZE
 """For each message: code, first layout row, end of layout rows, rank."""
 MESSAGE_ROW: Final = 4
-MESSAGE_COUNT: Final = 20
+MESSAGE_COUNT: Final = 21
 LAYOUT: Final = MESSAGES + MESSAGE_COUNT * MESSAGE_ROW
 LAYOUT_ROW: Final = 7
 LAYOUT_LIMIT: Final = 192
@@ -176,4 +176,6 @@ PASHR: Final = 16
 PASHR_HPR: Final = 17
 PSAT_HPR: Final = 18
 HPR: Final = 19
+PTNL_AVR: Final = 20
+"""Heading and tilt of the baseline, and its length."""
 NONE: Final = -1

@@ -175,8 +175,8 @@ class DualAntennaReceiver(Receiver[Report]):
     def _change_rate(self, fields: list[str]) -> bool:
         """Sentence and rate; the name may hold a comma (PSAT,HPR)."""
         name, rate = fields[0], fields[-1] if fields[-1] != "OTHER" else fields[-2]
-        if len(fields) >= 3 and fields[1] == "HPR":
-            name = f"{fields[0]},HPR"
+        if len(fields) >= 3 and fields[1] in ("HPR", "AVR"):
+            name = f"{fields[0]},{fields[1]}"
         name = name[2:] if name[:2] == "GP" else name
         if name not in SENTENCES or not rate.isdecimal() or int(rate[:4]) not in (0, *RATES_HZ):
             what = f"{','.join(fields)}: ignored"

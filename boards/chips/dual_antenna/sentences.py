@@ -222,6 +222,30 @@ def hpr(report: Report) -> bytes:
     return sentence(b"GPHPR,%b,%b,%d,%02d,," % (report.time, _heading_pitch_roll(attitude), quality, used))
 
 
+def avr(report: Report) -> bytes:
+    """The Trimble form, with the baseline's length: quality 3 fixed, 2 real-valued ambiguities, 0 none."""
+    attitude, epoch = report.attitude, report.epoch
+    used = sum(one.used for one in report.satellites) if report.fix else 0
+    if attitude is None:
+        return sentence(b"PTNL,AVR,%b,,,,,,,,0,,%d" % (report.time, used))
+    fields = (
+        report.time,
+        attitude.heading % 360.0,
+        *_named(attitude.pitch, b"Tilt"),
+        *_named(attitude.roll, b"Roll"),
+        attitude.length,
+        3 if attitude.fixed else 2,
+        dilution(epoch.pdop),
+        used,
+    )
+    return sentence(b"PTNL,AVR,%b,%+.4f,Yaw,%b,%b,%b,%b,%.3f,%d,%b,%d" % fields)
+
+
+def _named(angle: float | None, name: bytes) -> tuple[bytes, bytes]:
+    """An angle and what it is called, both empty when it is not observed."""
+    return (b"", b"") if angle is None else (b"%+.4f" % angle, name)
+
+
 SENTENCES: dict[str, Callable[[Report], bytes]] = {
     "GGA": gga,
     "RMC": rmc,
@@ -234,5 +258,6 @@ SENTENCES: dict[str, Callable[[Report], bytes]] = {
     "PASHR,HPR": pashr_hpr,
     "PSAT,HPR": psat_hpr,
     "HPR": hpr,
+    "PTNL,AVR": avr,
 }
 """In order of output."""

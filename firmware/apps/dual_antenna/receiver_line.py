@@ -12,7 +12,8 @@ from hal.board_io import BoardIo
 
 PHASES = tuple(SetupPhase)
 WORD, SHORT = 0xFFFF_FFFF, 0xFFFF
-SENTENCES = {"GGA": 1, "RMC": 1, "GST": 1, "PASHR": 1}
+SENTENCES = {"GGA": 1, "RMC": 1, "GST": 1, "PTNL,AVR": 1}
+"""AVR has heading and tilt when ambiguities are fixed, and the length of the baseline."""
 
 
 class ReceiverLine(ReceiverPort):

@@ -7,7 +7,7 @@
 | gnss-spoofing | north_mps, east_mps, down_mps: reported velocity is off by this, and what it makes |
 | gnss-jamming | loss_db: what the signals lose (`host.sim.gnss.jamming`) |
 | gnss-baseline-lost | none: the second antenna is cut off |
-| gnss-baseline-jump | heading_deg, pitch_deg: ambiguities fixed to wrong whole numbers; at least one |
+| gnss-baseline-jump | heading_deg, pitch_deg, length_m, at least one: ambiguities are fixed wrongly |
 """
 
 from __future__ import annotations
@@ -37,9 +37,9 @@ _PARAMETERS = {
     SPOOFING: ("north_mps", "east_mps", "down_mps"),
     JAMMING: ("loss_db",),
     BASELINE_LOST: (),
-    BASELINE_JUMP: ("heading_deg", "pitch_deg"),
+    BASELINE_JUMP: ("heading_deg", "pitch_deg", "length_m"),
 }
-_LARGEST = {SPOOFING: 1000.0, JAMMING: 100.0, BASELINE_JUMP: 90.0}
+_LARGEST = {SPOOFING: 1000.0, JAMMING: 100.0, BASELINE_JUMP: 180.0}
 _EXAMPLES = {SPOOFING: "1.0", JAMMING: "12.0", BASELINE_JUMP: "2.0"}
 
 
@@ -102,7 +102,8 @@ def _glitch(fault: Fault, end_ns: int, seed: int) -> Glitch:
     if fault.kind == BASELINE_LOST:
         return Glitch(name, window, baseline_lost=True)
     if fault.kind == BASELINE_JUMP:
-        return Glitch(name, window, baseline_turn=(values["heading_deg"] * DEG, values["pitch_deg"] * DEG))
+        turn = (values["heading_deg"] * DEG, values["pitch_deg"] * DEG)
+        return Glitch(name, window, baseline_turn=turn, baseline_stretch_m=values["length_m"])
     north, east, down = values.values()
     if fault.kind == SPOOFING:
         return Glitch(name, window, pull_ned_mps=(north, east, down))

@@ -52,13 +52,18 @@ def _struck(epoch: GnssEpoch, glitch: Glitch, time_ns: int) -> GnssEpoch:
 
 def _can_strike(glitch: Glitch, epoch: GnssEpoch) -> bool:
     """Faults of the second antenna need a baseline."""
-    at_baseline = glitch.baseline_lost or any(glitch.baseline_turn)
+    at_baseline = glitch.baseline_lost or _changes_baseline(glitch)
     return not at_baseline or (epoch.baseline is not None and epoch.baseline.fix != "NONE")
 
 
 def _baseline_struck(epoch: GnssEpoch, glitch: Glitch) -> GnssEpoch:
     if glitch.baseline_lost:
         return replace(epoch, baseline=NO_BASELINE)
-    if epoch.baseline is None or not any(glitch.baseline_turn):
+    if epoch.baseline is None or not _changes_baseline(glitch):
         return epoch
-    return replace(epoch, baseline=turned(epoch.baseline, *glitch.baseline_turn))
+    length = max(0.0, epoch.baseline.length + glitch.baseline_stretch_m)
+    return replace(epoch, baseline=replace(turned(epoch.baseline, *glitch.baseline_turn), length=length))
+
+
+def _changes_baseline(glitch: Glitch) -> bool:
+    return any(glitch.baseline_turn) or glitch.baseline_stretch_m != 0.0

@@ -44,6 +44,8 @@ class Glitch:
     """The second antenna is cut off."""
     baseline_turn: tuple[float, float] = (0.0, 0.0)
     """Reported heading and pitch of the baseline are off by this, rad."""
+    baseline_stretch_m: float = 0.0
+    """Its reported length is."""
     fired: int = field(default=0)
     """Epochs that came out wrong."""
 
