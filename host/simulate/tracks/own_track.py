@@ -32,13 +32,13 @@ def read_npz(path: Path) -> tuple[Track, list[int]]:
             times_ns = np.asarray(imu["t_ns"], dtype=np.int64).reshape(-1)
             names = ("latitude", "longitude", "height", "yaw", "pitch", "roll")
             columns = {name: np.asarray(imu[name], dtype=np.float64).reshape(-1) for name in names}
-            columns["velocity"] = np.asarray(imu["velocity"], dtype=np.float64).reshape(len(imu), 3)
+            velocity = np.asarray(imu["velocity"], dtype=np.float64).reshape(len(imu), 3)
     except (OSError, EOFError, TypeError, ValueError, KeyError, IndexError, zipfile.BadZipFile) as error:
         raise UserError(f"{path}: is not what navtwin simulate writes as NPZ: {error}") from None
     t = (times_ns - times_ns[:1]) / 1e9
     attitude = np.column_stack((columns["yaw"], columns["pitch"], columns["roll"]))
     place = (columns["latitude"], columns["longitude"], columns["height"])
-    track = Track(t, *place, columns["velocity"], attitude)
+    track = Track(t, *place, velocity, attitude)
     return checked(track, str(path), lambda k: f"sample {k}"), list(range(len(track)))
 
 

@@ -72,16 +72,7 @@ def checked(track: Track, source: str, place: Callable[[int], str]) -> Track:
     if track.attitude is not None:
         pitch = np.degrees(track.attitude[:, 1])
         _none(np.abs(pitch) > 90.0, source, place, lambda k: f"pitch {pitch[k]:g}° (at most ±90°)")
-        for name, column in (("yaw", 0), ("roll", 2)):
-            angle = np.degrees(track.attitude[:, column])
-            _none(
-                np.abs(angle) > LARGEST_ANGLE_DEG,
-                source,
-                place,
-                lambda k, name=name, angle=angle: (
-                    f"{name} {angle[k]:g}° (at most ±{LARGEST_ANGLE_DEG:,.0f}°)"
-                ),
-            )
+        _check_turns(track.attitude, source, place)
     speed = np.concatenate(([0.0], np.linalg.norm(_steps(track), axis=1) / np.diff(track.t_s)))
     _none(
         speed > FASTEST_MPS,
@@ -91,6 +82,17 @@ def checked(track: Track, source: str, place: Callable[[int], str]) -> Track:
     )
     _check_velocity(track, source, place)
     return track
+
+
+def _check_turns(attitude: Floats, source: str, place: Callable[[int], str]) -> None:
+    """Yaw and roll are angles."""
+    for name, column in (("yaw", 0), ("roll", 2)):
+        angle = np.degrees(attitude[:, column])
+
+        def told(k: int, name: str = name, angle: Floats = angle) -> str:
+            return f"{name} {angle[k]:g}° (at most ±{LARGEST_ANGLE_DEG:,.0f}°)"
+
+        _none(np.abs(angle) > LARGEST_ANGLE_DEG, source, place, told)
 
 
 def _check_velocity(track: Track, source: str, place: Callable[[int], str]) -> None:
