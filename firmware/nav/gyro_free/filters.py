@@ -224,3 +224,23 @@ def _check(config: FilterConfig) -> None:
                 f"FilterConfig.{one.name} = {value} must be finite and positive, like the default"
                 f" {one.default}"
             )
+
+
+def adxl345_filters(sensor: GyroFreeConfig, reset: str = "fusion_feedback", **more: Any) -> FilterConfig:
+    """Noise of the filters when rate and force come from accelerometers as noisy as `sensor` says: the rate
+    walks, by (σ_a / l) √Δt per √s. `more`: any other field of FilterConfig."""
+    period = more.get("sample_period", 0.005)
+    walk = sensor.slow_errors * sensor.acceleration_noise / sensor.arm_length * math.sqrt(period)
+    fitting = {
+        "rate_noise": 0.1 * DEG,
+        "force_noise": sensor.acceleration_noise,
+        "rate_walk": walk,
+        "force_walk": 1e-4 * G,
+        "sigma_rate_bias": 2.0 * DEG,
+        "sigma_force_bias": 20e-3 * G,
+        "sigma_tilt": 2.0 * DEG,
+        "sigma_yaw": 3.0 * DEG,
+        "sigma_velocity": 0.5,
+        "sigma_position": 10.0,
+    }
+    return FilterConfig(reset=reset, sensor=sensor, **(fitting | more))
