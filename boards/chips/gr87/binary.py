@@ -1,6 +1,14 @@
-"""Enough of the SiRF binary protocol to come back from it: message 129, "switch to NMEA".
+"""What a SiRF III hears in its binary protocol.
 
     A0 A2 | length, 2 bytes | payload | sum of the payload & 0x7FFF, 2 bytes | B0 B3     high byte first
+
+| message | fields | what it does here |
+| --- | --- | --- |
+| 129 | mode, ten pairs of rate and checksum switch, baud (2 bytes) | back to NMEA |
+| 132 | control | version: message 6 |
+| 134 | baud (4 bytes), data bits, stop bits, parity, 0 | port |
+| 166 | mode, message, rate in s, 4 × 0 | 0 sets a rate, 1 asks once, 2 sets that of all |
+| 128, 133 … 170 | | modes, masks, aiding, polls: accepted and without effect |
 
 The payload of 129 has 24 bytes: 0x81, mode, ten pairs of rate and checksum switch, baud rate (2 bytes).
 """
@@ -8,7 +16,9 @@ The payload of 129 has 24 bytes: 0x81, mode, ten pairs of rate and checksum swit
 from __future__ import annotations
 
 HEAD, TAIL = b"\xa0\xa2", b"\xb0\xb3"
-SWITCH_TO_NMEA = 0x81
+SWITCH_TO_NMEA, POLL_VERSION, SET_PORT, SET_RATE = 129, 132, 134, 166
+WITHOUT_EFFECT = frozenset((128, *range(133, 171))) - {SET_PORT, SET_RATE}
+EIGHT_ONE_NONE = bytes((8, 1, 0))
 SWITCH_LENGTH = 24
 LONGEST = 1023
 RATES_FROM = 2

@@ -7,7 +7,17 @@ from __future__ import annotations
 
 import math
 
-from boards.chips.gr87.binary import BinaryInput, switch_of
+from boards.chips.gr87.binary import (
+    EIGHT_ONE_NONE,
+    POLL_VERSION,
+    SET_PORT,
+    SET_RATE,
+    SWITCH_TO_NMEA,
+    WITHOUT_EFFECT,
+    BinaryInput,
+    switch_of,
+)
+from boards.chips.gr87.binary_output import MESSAGES, answer, version
 from boards.chips.gr87.commands import BAUD_RATES, Order, order_of
 from boards.chips.gr87.sentences import SENTENCES, Picture
 from boards.chips.receivers.fields import degrees, sentence
@@ -83,6 +93,8 @@ class Gr87(Receiver[Picture]):
         self._rates = dict(DEFAULT_RATES)
         self._checked = dict.fromkeys(DEFAULT_RATES, True)
         self._development = False
+        self._spoken = dict.fromkeys(MESSAGES, 1)
+        """Binary messages and their rates in s."""
 
     def _begin(self) -> None:
         self._course_deg = 0.0
@@ -119,13 +131,16 @@ class Gr87(Receiver[Picture]):
         told = epoch.time_known and (elapsed >= TIME_AFTER_NS[self._state] or fix > 1)
         gps_ns = epoch.gps_time_ns if told else UNSET_CLOCK_GPS_NS + elapsed
         utc = utc_from_gps(gps_ns, epoch.leap_seconds if told else 0)
-        return Picture(utc, epoch, fix, self._course_deg, satellites)
+        return Picture(utc, epoch, fix, self._course_deg, satellites, gps_ns)
 
     def _show(self, solution: Picture) -> None:
         self._count += 1
         if self._nmea:
             due = [number for number, rate in self._rates.items() if rate and self._count % rate == 0]
             self._send(due, solution)
+        else:
+            spoken = [number for number, rate in self._spoken.items() if rate and self._count % rate == 0]
+            self._transmitter.send([MESSAGES[number](solution) for number in spoken])
 
     def _send(self, messages: list[int], picture: Picture) -> None:
         lines = []
@@ -165,9 +180,6 @@ class Gr87(Receiver[Picture]):
             self._restart(order.state)
         elif order.action == "port":
             self._nmea = order.values[0] == PROTOCOL_NMEA
-            if not self._nmea:
-                detail = "SiRF binary: silent until message 129"
-                self.log.report(ReportKind.NOT_MODELLED, "PSRF100", detail, self._time.now)
             self._change_baud(order.values[1])
         elif order.action == "rate":
             message, rate, check = order.values
@@ -178,18 +190,51 @@ class Gr87(Receiver[Picture]):
             self._development = bool(order.values[0])
 
     def _obey_binary(self, payload: bytes) -> None:
+        number = payload[0] if payload else 0
+        if number == SWITCH_TO_NMEA:
+            self._back_to_nmea(payload)
+        elif number == POLL_VERSION and len(payload) == 2:
+            self._transmitter.send([answer(True, number), version()])
+        elif number == SET_PORT and len(payload) == 9:
+            self._set_port(payload)
+        elif number == SET_RATE and len(payload) == 8:
+            self._set_binary_rate(*payload[1:4])
+        else:
+            known = number in WITHOUT_EFFECT
+            what = "without effect" if known else f"{len(payload)} bytes: refused"
+            self._report(ReportKind.NOT_MODELLED, f"SiRF 0x{number:02X}", what)
+            self._transmitter.send([answer(known, number)])
+
+    def _back_to_nmea(self, payload: bytes) -> None:
         switch = switch_of(payload)
-        if switch is None:
-            what = f"SiRF 0x{payload[0]:02X}" if payload else "SiRF"
-            self.log.report(ReportKind.NOT_MODELLED, what, "ignored", self._time.now)
+        if switch is None or switch[1] not in BAUD_RATES:
+            what = "" if switch is None else f", {switch[1]} baud"
+            self._report(ReportKind.PROTOCOL, "SiRF 0x81", f"{len(payload)} bytes{what}: refused")
+            self._transmitter.send([answer(False, SWITCH_TO_NMEA)])
             return
         rates, baud = switch
-        if baud not in BAUD_RATES:
-            self.log.report(ReportKind.PROTOCOL, "SiRF 0x81", f"{baud} baud: ignored", self._time.now)
-            return
         self._nmea = True
         self._rates.update({message: rate for message, rate in rates.items() if message in SENTENCES})
         self._change_baud(baud)
+
+    def _set_port(self, payload: bytes) -> None:
+        baud = int.from_bytes(payload[1:5], "big")
+        good = baud in BAUD_RATES and payload[5:8] == EIGHT_ONE_NONE
+        if not good:
+            self._report(ReportKind.PROTOCOL, "SiRF 0x86", f"{baud} baud, {payload[5:8].hex()}: refused")
+        self._transmitter.send([answer(good, SET_PORT)])
+        if good:
+            self._change_baud(baud)
+
+    def _set_binary_rate(self, mode: int, message: int, rate: int) -> None:
+        """Messages that it does not have are accepted and stay silent."""
+        wanted = list(MESSAGES) if mode == 2 else [message]
+        good = mode <= 2
+        self._transmitter.send([answer(good, SET_RATE)])
+        if good and mode != 1:
+            self._spoken.update({number: rate for number in wanted if number in MESSAGES})
+        elif good and message in MESSAGES and self._shown is not None:
+            self._transmitter.send([MESSAGES[message](self._shown)])
 
     def _change_baud(self, baud: int) -> None:
         """Behind what has been queued."""

@@ -33,6 +33,8 @@ class Picture:
     course_deg: float
     satellites: tuple[Satellite, ...]
     """In view, GPS alone."""
+    gps_ns: int
+    """GPS time by its own clock."""
 
     @property
     def used(self) -> list[Satellite]:

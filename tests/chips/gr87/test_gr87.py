@@ -122,24 +122,6 @@ def test_restarts(reset: int, seconds: float) -> None:
     assert rig.chip.baud == (4800 if reset == 8 else 9600)
 
 
-def test_binary_and_back() -> None:
-    rig = Rig()
-    rig.wait(3.0)
-    rig.say("PSRF100,0,38400,8,1,0")
-    rig.wait(1.5)
-    assert rig.wait(3.0) == b""
-    rig.say("PSRF100,1,4800,8,1,0")
-    assert rig.wait(2.0) == b"", "sentences are not heard in binary"
-    payload = bytes([0x81, 2, 1, 1] + [0, 1] * 3 + [1, 1] + [0, 1] * 5) + (9600).to_bytes(2, "big")
-    assert len(payload) == 24
-    frame = b"\xa0\xa2\x00\x18" + payload + (sum(payload) & 0x7FFF).to_bytes(2, "big") + b"\xb0\xb3"
-    rig.chip.receive(b"\xa0\xa2\xff" + frame[:10], rig.time.now)
-    rig.chip.receive(frame[10:], rig.time.now)
-    rig.wait(1.05)
-    assert [line[:6] for line in lines(rig.wait(1.0))] == ["$GPGGA", "$GPRMC"]
-    assert rig.chip.baud == 9600
-
-
 @pytest.mark.parametrize(
     ("text", "kind"),
     [
