@@ -5,7 +5,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from host.record.run_data import NAVIGATING, GnssBatch, MotionBatch, RunData, SolutionBatch, TaskTrace
+from firmware.link.attitude_output import UNKNOWN_AGE
+from host.record.run_data import (
+    NAVIGATING,
+    SENSOR_COLUMNS,
+    GnssBatch,
+    MotionBatch,
+    RunData,
+    SolutionBatch,
+    TaskTrace,
+)
 from host.record.series import DecimatedSeries
 from host.record.tables import BIAS, GNSS, INNOVATION, SOLUTION
 from host.score.errors import Place, position_error_ned
@@ -18,6 +27,7 @@ TRUE_PLACES = ("true_east_m", "true_north_m", "true_up_m")
 SOLUTION_LIMIT = 3072
 SLOW_LIMIT = 1536
 """Rows of each series of the report: about as many as a screen has columns."""
+AGES = slice(SENSOR_COLUMNS.index("age_least_us"), SENSOR_COLUMNS.index("age_most_us") + 1)
 
 
 class Collector:
@@ -46,6 +56,13 @@ class Collector:
             places = self._places(epochs, truth)
             places[~epochs.fix] = np.nan
             self.data.gnss.add(np.column_stack((rows, places)))
+
+    def add_sensor(self, rows: Floats) -> None:
+        """Rows of the table SENSOR."""
+        shown = rows.copy()
+        ages = shown[:, AGES]
+        ages[ages == UNKNOWN_AGE] = np.nan
+        self.data.sensor.add(shown)
 
     def add_trace(self, trace: TaskTrace) -> None:
         """A recorded window of one processor."""

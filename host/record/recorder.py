@@ -133,6 +133,7 @@ class Recorder:
 
     def add_sensor(self, rows: Floats) -> None:
         """How the inertial sensor is, rows of `host.record.tables.SENSOR`."""
+        self._collector.add_sensor(rows)
         if self.capture is not None:
             self.capture.rows("/sensor", rows)
 

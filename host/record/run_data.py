@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from host.link.messages import Sensor
 from host.record.can_course import CanCourse
 from host.record.series import DecimatedSeries
 
@@ -27,6 +28,7 @@ STATUS_COLUMNS = (
 )
 """Counters of trouble in the board's STATUS frames, since the processor's last reset."""
 STATUS_LIMIT = 4096
+SENSOR_COLUMNS = ("t_s", *Sensor._fields[1:])
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,4 +141,6 @@ class RunData:
     """(start, duration) in s."""
     traces: list[TaskTrace] = field(default_factory=list)
     status: DecimatedSeries = field(default_factory=lambda: DecimatedSeries(STATUS_COLUMNS, STATUS_LIMIT))
+    sensor: DecimatedSeries = field(default_factory=lambda: DecimatedSeries(SENSOR_COLUMNS, STATUS_LIMIT))
+    """Rows of `host.record.tables.SENSOR`, ages that are not known NaN."""
     can: list[CanCourse] = field(default_factory=list)

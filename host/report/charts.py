@@ -50,6 +50,8 @@ def charts(data: RunData) -> list[Chart]:
         made.append(_innovations(data))
     if len(data.biases):
         made.append(_biases(data))
+    if len(data.sensor):
+        made.append(_sensor(data))
     return made
 
 
@@ -174,6 +176,34 @@ def _biases(data: RunData) -> Chart:
         traces.append(on_row(line(time, column(f"biases.{name}"), "estimate", FUSED), place))
     text = "Sensor biases as the filter estimates them, with 3 σ, and as the simulated sensor has them."
     return Chart("biases", "Sensor biases", text, traces, _stacked(labels, data), in_time=True)
+
+
+SENSOR_ROWS = (
+    ("supply, V", (("supply", "supply_mv", 1e-3),)),
+    ("temperature, °C", (("temperature", "temperature_centi_c", 0.01),)),
+    ("pressure, hPa", (("pressure", "pressure_pa", 0.01),)),
+    ("field, µT", (("field", "field_nt", 1e-3),)),
+    ("age, ms", (("youngest sample", "age_least_us", 1e-3), ("oldest sample", "age_most_us", 1e-3))),
+    ("bridged", (("bridged", "bridged", 1),)),
+)
+"""Label of the axis; name, column and factor of each line."""
+
+
+def _sensor(data: RunData) -> Chart:
+    time = column("sensor.t_s")
+    colours = (FUSED, GNSS)
+    traces = [
+        on_row(line(time, column(f"sensor.{name}", times), told, colour), place)
+        for place, (_, lines) in enumerate(SENSOR_ROWS)
+        for colour, (told, name, times) in zip(colours, lines, strict=False)
+    ]
+    text = (
+        "What the inertial sensor tells of itself and its surroundings, how old its samples were in the"
+        " solutions, and how many bursts had to be bridged."
+    )
+    labels = [label for label, _ in SENSOR_ROWS]
+    layout = _stacked(labels, data) | {"showlegend": False}
+    return Chart("sensor", "Sensor's health", text, traces, layout, in_time=True)
 
 
 def _band(time: Any, sigma: str, place: int, around: str | None = None) -> list[Trace]:
