@@ -38,6 +38,7 @@ def test_its_columns_are_there_and_unknown_ages_are_left_out():
     for trace in chart.traces:
         for axis in ("x", "y"):
             series, _, name = trace[axis]["$"].partition(".")
-            assert series == "sensor" and len(data.sensor.column(name)) == 5
+            assert series == "sensor"
+            assert len(data.sensor.column(name)) == 5
     for name in ("age_least_us", "age_most_us"):
         np.testing.assert_array_equal(data.sensor.column(name), [np.nan] * 3 + [700.0] * 2)
