@@ -30,6 +30,8 @@ COLUMNS = (
 NEVER = "never"
 NO_WORD = "nothing"
 NO_EFFECT = "no effect"
+ABSENT = "none"
+"""What the board, or the fault, does not have."""
 NOTHING = (None, None, None)
 WORDS_SHOWN = 36
 
@@ -138,7 +140,7 @@ def left_out(cannot: Sequence[tuple[Strike, str]]) -> Section:
 
 
 def sheet_csv(found: Sequence[Effect]) -> str:
-    """A line for each fault; what the board does not have is empty."""
+    """A line for each fault; no cell is empty."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(COLUMNS)
@@ -151,7 +153,8 @@ def sheet_csv(found: Sequence[Effect]) -> str:
         more = map(_rounded, (one.worst[1], one.usual[1], one.worst[2], one.usual[2]))
         recovered = _recovery(one, _rounded)
         said = (effect_words(one), one.verdict, one.error)
-        writer.writerow([*given, *told, *errors, recovered, *more, *_can_columns(one.can), *said])
+        row = (*given, *told, *errors, recovered, *more, *_can_columns(one.can), *said)
+        writer.writerow([ABSENT if value is None or value == "" else value for value in row])
     return text.getvalue()
 
 
