@@ -16,7 +16,9 @@ from firmware.apps.car_mems.sample_clock import CLOCK_SIZE, reset_clock
 from firmware.apps.car_mems.steps import APP_SIZE, CLOCK_AT
 from firmware.drivers import gnss_epoch as gnss
 from firmware.nav import layout
-from firmware.nav.config import NavConfig, configure
+from firmware.nav.attitude_reference import attitude_step
+from firmware.nav.config import NavConfig, configure, new_state
+from firmware.nav.full_combination import full_combination
 from firmware.nav.gnss import gnss_step
 from firmware.nav.imu import imu_step
 
@@ -44,11 +46,24 @@ class Moment:
 
 @functools.cache
 def moments() -> tuple[Moment, ...]:
-    rng = np.random.Generator(np.random.PCG64(3))
     f = np.zeros(layout.F_SIZE + APP_SIZE, np.float32)
     i = np.zeros(layout.I_SIZE + CLOCK_SIZE, np.int64)
     configure(f[: layout.F_SIZE], i[: layout.I_SIZE], NavConfig())
     reset_clock(i, int(CLOCK_AT))
+    return _drive(f, i, layout.F_SIZE, layout.I_SIZE)
+
+
+@functools.cache
+def referenced_moments() -> tuple[Moment, ...]:
+    """The same with two antennas."""
+    config = full_combination((2.0, 0.3, 0.1), sample_period=0.01, gyro_bias_sigma=0.005)
+    f, i = new_state(config)
+    return _drive(f, i, len(f), len(i))
+
+
+def _drive(f: NDArray[np.float32], i: NDArray[np.int64], floats: int, integers: int) -> tuple[Moment, ...]:
+    """`floats`, `integers`: how much of both is navigation's."""
+    rng = np.random.Generator(np.random.PCG64(3))
     chosen = set(rng.integers(0, STEPS, 150).tolist()) | set(range(99, STEPS, 100))
     north = east = 0.0
     found = []
@@ -69,15 +84,18 @@ def moments() -> tuple[Moment, ...]:
         epoch = _epoch(t_ns, north, east, speed, heading) if receives else None
         if k in chosen:
             found.append(Moment(f.copy(), i.copy(), t_ns, sample, epoch))
-        imu_step(f[: layout.F_SIZE], i[: layout.I_SIZE], t_ns, 0.01, *sample)
+        imu_step(f[:floats], i[:integers], t_ns, 0.01, *sample)
         if epoch is not None:
-            gnss_step(f[: layout.F_SIZE], i[: layout.I_SIZE], epoch)
+            gnss_step(f[:floats], i[:integers], epoch)
+            attitude_step(f[:floats], i[:integers], epoch)
     return tuple(found)
 
 
 def _epoch(t_ns: int, north: float, east: float, speed: float, heading: float) -> NDArray[np.int64]:
     epoch = gnss.new_epoch()
-    epoch[gnss.FLAGS] = 0xFF
+    epoch[gnss.FLAGS] = 0xFF | gnss.HAS_HEADING | gnss.HAS_PITCH | gnss.HAS_ROLL | gnss.HAS_BASELINE
+    epoch[gnss.HEADING_E5DEG] = round(math.degrees(heading % (2 * math.pi)) * 1e5)
+    epoch[gnss.BASELINE_MM] = 2025
     epoch[gnss.TIME_OF_DAY_MS] = t_ns // 1_000_000
     epoch[gnss.DATE_DAYS] = 15_000
     epoch[gnss.LAT_NANODEG] = round(math.degrees(LATITUDE + north / EARTH_RADIUS) * 1e9)
@@ -107,6 +125,26 @@ def for_gnss_step(rng: np.random.Generator) -> tuple[Any, ...]:
     received = [moment for moment in moments() if moment.epoch is not None]
     now = received[rng.integers(0, len(received))]
     return now.f, now.i, now.epoch
+
+
+def for_attitude_step(rng: np.random.Generator) -> tuple[Any, ...]:
+    """Records as they should be, flipped, off, of another length, old, without one angle or another."""
+    received = [moment for moment in referenced_moments() if moment.epoch is not None]
+    now = received[rng.integers(0, len(received))]
+    assert now.epoch is not None
+    e = now.epoch.copy()
+    off = rng.choice([0, 0, 300_000, 18_000_000])
+    e[gnss.HEADING_E5DEG] = (e[gnss.HEADING_E5DEG] + off) % 36_000_000
+    e[[gnss.PITCH_E5DEG, gnss.ROLL_E5DEG]] = rng.integers(-300_000, 300_000, 2)
+    e[gnss.BASELINE_MM] += rng.choice([0, 0, 0, 200])
+    e[gnss.FLAGS] &= ~(rng.integers(0, 8) << 9)
+    e[gnss.VALID_NS] -= rng.choice([0, 0, 0, 5_000_000_000])
+    return now.f, now.i, e
+
+
+def for_attitude_report(rng: np.random.Generator) -> tuple[Any, ...]:
+    now = referenced_moments()[rng.integers(0, len(referenced_moments()))]
+    return now.f, now.i, np.zeros(64, np.float32), np.zeros(64, np.int64)
 
 
 def for_solution(rng: np.random.Generator) -> tuple[Any, ...]:
@@ -145,6 +183,8 @@ def for_increments(rng: np.random.Generator) -> tuple[Any, ...]:
 INPUTS = {
     "firmware.nav.imu.imu_step": for_imu_step,
     "firmware.nav.gnss.gnss_step": for_gnss_step,
+    "firmware.nav.attitude_reference.attitude_step": for_attitude_step,
+    "firmware.nav.reference_report.attitude_report": for_attitude_report,
     "firmware.nav.solution.solution": for_solution,
     "firmware.nav.solution.covariance": for_series,
     "firmware.nav.solution.innovation": for_series,

@@ -1,4 +1,4 @@
-"""Full combination on a drive through town: figures against the receiver's own, and which states take part."""
+"""Full combination on a drive through town: figures beside the receiver's own, and which states take part."""
 
 import math
 
