@@ -101,8 +101,7 @@ def _identity_of_code(kernels: Sequence[TargetKernel], planted: str | None) -> s
     makers = [HERE / name for name in ("target_code.py", "planted.py", "compile_kernels.py")]
     names = [(kernel.name, kernel.signature.text) for kernel in kernels]
     tools = (sys.version, version("numba"), version("llvmlite"), version("numpy"))
-    ours = planted if planted not in C_DEFINITIONS else None
-    return kernel_sources_hash(_hash(makers, (names, tools, ours)))
+    return kernel_sources_hash(_hash(makers, (names, tools, planted)))
 
 
 def _hash(files: Sequence[Path], facts: object) -> str:

@@ -2,7 +2,7 @@
 
 fma        products and sums are fused, as a compiler does with -ffp-contract=fast
 constant   constant factors are off by one unit in the last place
-rounding   the processor rounds towards zero
+rounding   the processor rounds towards zero; in fixed point, what would round to the nearest rounds down
 """
 
 from __future__ import annotations
@@ -18,6 +18,11 @@ _FACTOR = re.compile(r"(fmul float [^,]+, )(0x[0-9A-F]{16})")
 _PRODUCT = re.compile(r"^\s*(%\S+) = fmul float ([^,\s]+), ([^,\s]+)", re.MULTILINE)
 _SUM = re.compile(r"^(\s*%\S+ = )fadd float ([^,\s]+), ([^,\s]+)", re.MULTILINE)
 _FUNCTION = re.compile(r"^define .*?^\}", re.MULTILINE | re.DOTALL)
+_LARGE = 1 << 16
+"""Integer factors from here on are constants of fixed-point formulas, not sizes of elements."""
+_INTEGER_FACTOR = re.compile(r"(= mul (?:nuw |nsw )*i64 [^,]+, )(\d+)$", re.MULTILINE)
+_HALF = re.compile(r"^(\s*(%\S+) = add (?:nuw |nsw )*i64 [^,]+, )(\d+)$", re.MULTILINE)
+_SHIFT = re.compile(r"= ashr (?:exact )?i64 (%\S+), (\d+)$", re.MULTILINE)
 _FUSED = "declare float @llvm.fma.f32(float, float, float)\n"
 
 
@@ -27,6 +32,8 @@ def plant(name: str | None, ir: str) -> str:
         return _FUNCTION.sub(lambda match: _fused_function(match[0]), ir) + _FUSED
     if name == "constant":
         return _with_other_constants(ir)
+    if name == "rounding":
+        return _FUNCTION.sub(lambda match: _rounding_down(match[0]), ir)
     return ir
 
 
@@ -44,4 +51,16 @@ def _fused_function(text: str) -> str:
 
 
 def _with_other_constants(ir: str) -> str:
-    return _FACTOR.sub(lambda match: f"{match[1]}0x{int(match[2], 16) + ULP_OF_FLOAT32:016X}", ir)
+    ir = _FACTOR.sub(lambda match: f"{match[1]}0x{int(match[2], 16) + ULP_OF_FLOAT32:016X}", ir)
+    return _INTEGER_FACTOR.sub(lambda match: match[1] + str(int(match[2]) + (int(match[2]) >= _LARGE)), ir)
+
+
+def _rounding_down(text: str) -> str:
+    """Halves of a unit that are added before it is shifted to are left out."""
+    shifts = dict(_SHIFT.findall(text))
+
+    def without_half(match: re.Match[str]) -> str:
+        is_half = match[2] in shifts and int(match[3]) == 1 << int(shifts[match[2]]) >> 1
+        return match[1] + ("0" if is_half else match[3])
+
+    return _HALF.sub(without_half, text)

@@ -180,6 +180,19 @@ def for_increments(rng: np.random.Generator) -> tuple[Any, ...]:
     return now.f, now.i, np.array([7, *counts, status, now.t_ns, 0], np.int64)
 
 
+def for_sample_time(rng: Rng) -> tuple[Any, ...]:
+    """A clock in lock, new, or off, and the next sample, the same one, or one after a gap."""
+    i = np.zeros(CLOCK_SIZE, np.int64)
+    reset_clock(i, 0)
+    ticks, time_ns = int(rng.integers(0, 2**24)), int(rng.integers(0, 2**40))
+    if rng.integers(0, 4) > 0:
+        i[0], i[1] = ticks & 0xFFFF00, time_ns
+        i[2] += rng.integers(-(2**20), 2**20)
+    step = int(rng.choice([0, 256, 256, 512, 100 * 256, 101 * 256, 2**23]))
+    late_ns = int(rng.choice([0, 50_000, -50_000, 3_000_001, -(10**9)]))
+    return i, 0, (ticks + step) % 2**24, time_ns + step * 39_062 + late_ns
+
+
 INPUTS = {
     "firmware.nav.imu.imu_step": for_imu_step,
     "firmware.nav.gnss.gnss_step": for_gnss_step,
@@ -189,6 +202,7 @@ INPUTS = {
     "firmware.nav.solution.covariance": for_series,
     "firmware.nav.solution.innovation": for_series,
     "firmware.nav.solution.biases": for_series,
+    "firmware.apps.car_mems.sample_clock.sample_time": for_sample_time,
     "firmware.apps.car_mems.steps.data_ready_step": for_raw_sample,
     "firmware.apps.car_mems.steps.timer_sample": for_raw_sample,
     "firmware.apps.dual_antenna.steps.sample_step": for_increments,
