@@ -180,7 +180,7 @@ def for_increments(rng: np.random.Generator) -> tuple[Any, ...]:
     return now.f, now.i, np.array([7, *counts, status, now.t_ns, 0], np.int64)
 
 
-def for_sample_time(rng: Rng) -> tuple[Any, ...]:
+def for_sample_time(rng: np.random.Generator) -> tuple[Any, ...]:
     """A clock in lock, new, or off, and the next sample, the same one, or one after a gap."""
     i = np.zeros(CLOCK_SIZE, np.int64)
     reset_clock(i, 0)
