@@ -181,3 +181,18 @@ def federated_command(
         return show_federated(duration, seeds, failures, output, json, quiet)
 
     guarded(command, NOTHING_KEPT)
+
+
+@app.command("antennas")
+def antennas_command(seed: Seed = 1, output: Output = None, json: Json = None, quiet: Quiet = False) -> None:
+    """Heading of dual_antenna with and without its second antenna, at rest and on the road; its gyro-compass.
+
+    Ends with 1 when the heading with it is worse than 0.08° or than the receiver's own.
+    """
+
+    def command() -> int:
+        from host.cli.table_antennas_run import show_antennas
+
+        return show_antennas(seed, output, json, quiet)
+
+    guarded(command, NOTHING_KEPT)

@@ -129,7 +129,7 @@ class Words:
         lost = bool(self._output.flags >> fl.ATTITUDE_LOST & 1) and self._output.mode >= fl.NAVIGATING
         if lost != self._lost:
             self._lost = lost
-            self._output.send_text("second antenna lost" if lost else "second antenna is back")
+            self._output.send_text("second antenna tells no heading" if lost else "second antenna is back")
         gathered = floats[report.COMPASS_TIME]
         gathering = self._output.mode == fl.WAITING_FOR_HEADING and gathered > 0.0
         if gathering and now_ns - self._compass_said_ns >= COMPASS_EVERY_NS:
