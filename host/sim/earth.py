@@ -63,6 +63,11 @@ def radians_per_metre(latitude: float, height: float) -> tuple[float, float]:
     return 1.0 / (n * (1.0 - E2) / w2 + height), 1.0 / ((n + height) * cos_lat)
 
 
+def one_turn(longitude: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The same longitudes within ±π; those that are there already stay what they are to the last bit."""
+    return longitude - 2.0 * math.pi * np.round(longitude / (2.0 * math.pi))
+
+
 def geodetic_to_ecef(
     latitude: NDArray[np.float64], longitude: NDArray[np.float64], height: NDArray[np.float64]
 ) -> NDArray[np.float64]:

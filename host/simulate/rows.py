@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from boards.chips.world import GnssEpoch
 from host.record.tables import Table
+from host.sim.earth import one_turn
 from host.sim.trajectory.kinematics import C_NB, HEIGHT, LATITUDE, LONGITUDE, VELOCITY
 from host.sim.truth import euler_angles
 from host.simulate.stream import NS, Block, Convention
@@ -54,11 +55,11 @@ def imu_rows(block: Block) -> Floats:
 
 
 def truth_rows(block: Block) -> Floats:
-    """Rows of TRUTH: degrees, yaw 0 … 360."""
+    """Rows of TRUTH: degrees, longitude within ±180, yaw 0 … 360."""
     rows = block.truth
     out = np.empty((len(rows), len(TRUTH.columns)))
     out[:, 0] = rows[:, LATITUDE] * DEGREES
-    out[:, 1] = rows[:, LONGITUDE] * DEGREES
+    out[:, 1] = one_turn(rows[:, LONGITUDE]) * DEGREES
     out[:, 2] = rows[:, HEIGHT]
     out[:, 3:6] = rows[:, VELOCITY : VELOCITY + 3]
     yaw, pitch, roll = euler_angles(rows[:, C_NB : C_NB + 9])

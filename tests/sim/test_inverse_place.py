@@ -127,7 +127,7 @@ def _rates(means: NDArray[np.float64]) -> NDArray[np.float64]:
 def test_a_track_over_the_antimeridian_keeps_its_way_at_the_end_of_an_arm(tmp_path: Path) -> None:
     rows = [f"{t},10,{180 + 1e-3 * (t - 10) - (360 if t > 10 else 0):.9f},5" for t in range(21)]
     (tmp_path / "date-line.csv").write_text("t_s,lat,lon,alt\n" + "\n".join(rows) + "\n")
-    words = ("--imu-at", "5,0,0", "-o", tmp_path / "i.npz", "--json", "-", "-q")
+    words = ("--imu-at", "5,0,0", "--gnss-rate", 1, "-o", tmp_path / "i.npz", "--json", "-", "-q")
     result = navtwin("inverse", tmp_path / "date-line.csv", *words)
     assert result.exit_code == 0, result.output
     told = json.loads(result.stdout)
@@ -135,6 +135,14 @@ def test_a_track_over_the_antimeridian_keeps_its_way_at_the_end_of_an_arm(tmp_pa
     assert told["fastest_mps"] == pytest.approx(
         math.radians(1e-3) * 6.379e6 * math.cos(math.radians(10.0)), rel=0.01
     )
+    made = np.load(tmp_path / "i.npz")
+    east = np.degrees(made["imu"]["longitude"])
+    assert np.abs(east).max() <= 180.0
+    assert ((east > 0).mean(), (east < 0).mean()) == (
+        pytest.approx(0.5, abs=0.01),
+        pytest.approx(0.5, abs=0.01),
+    )
+    assert -180.0 <= made["gnss"]["longitude_deg"].min() < -179.98
 
 
 @pytest.mark.parametrize(

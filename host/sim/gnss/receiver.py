@@ -95,7 +95,7 @@ class SimulatedReceiver:
             gps_time_ns=self._start_gps_ns + time_ns,
             leap_seconds=self._leap_seconds,
             latitude=lat + (slow_n + white_m * white_n) * lat_per_m,
-            longitude=lon + (slow_e + white_m * white_e) * lon_per_m,
+            longitude=math.remainder(lon + (slow_e + white_m * white_e) * lon_per_m, 2.0 * math.pi),
             height=height - (slow_d + self._vertical_white_m * white_d),
             geoid_separation=self._geoid_separation,
             velocity_ned=(vn + white_mps * noise_n, ve + white_mps * noise_e, vd + white_mps * noise_d),

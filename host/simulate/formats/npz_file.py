@@ -21,6 +21,7 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
+from host.sim.earth import one_turn
 from host.sim.trajectory.kinematics import C_NB, HEIGHT, LATITUDE, LONGITUDE, VELOCITY
 from host.sim.truth import euler_angles
 from host.simulate.part_files import PartFiles
@@ -97,8 +98,8 @@ class NpzWriter:
         records["t_ns"] = block.times_ns
         records[self._force], records[self._rate] = block.felt[:, :3], block.felt[:, 3:6]
         records["temperature_c"] = block.felt[:, 6]
-        for name, column in (("latitude", LATITUDE), ("longitude", LONGITUDE), ("height", HEIGHT)):
-            records[name] = rows[:, column]
+        records["latitude"], records["height"] = rows[:, LATITUDE], rows[:, HEIGHT]
+        records["longitude"] = one_turn(rows[:, LONGITUDE])
         records["velocity"] = rows[:, VELOCITY : VELOCITY + 3]
         records["yaw"], records["pitch"], records["roll"] = euler_angles(rows[:, C_NB : C_NB + 9])
         self._member.write(records.view(np.uint8).data)
