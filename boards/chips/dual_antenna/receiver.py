@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from boards.chips.dual_antenna.sentences import SENTENCES, Report, attitude_of
 from boards.chips.neo_m8n.timepulse import Pulse, TimePulse, TimePulseSettings
+from boards.chips.receivers.fields import xor_checksum
 from boards.chips.receivers.receiver import Receiver, check_start_state
 from boards.chips.receivers.sentence_input import DOLLAR
 from boards.chips.receivers.transmitter import Transmitter
@@ -150,7 +151,11 @@ class DualAntennaReceiver(Receiver[Report]):
                 self._line.append(byte)
 
     def _obey(self, line: bytes) -> None:
-        fields = line[1:].split(b"*")[0].decode("ascii", "replace").split(",")
+        body, star, digits = line[1:].partition(b"*")
+        fields = body.decode("ascii", "replace").split(",")
+        if star and digits.upper() != b"%02X" % xor_checksum(body):
+            self._report(ReportKind.PROTOCOL, fields[0], "wrong checksum: ignored")
+            return
         if fields[0] == "JOFF":
             self._rates.clear()
         elif fields[0] == "JBAUD" and len(fields) >= 2:

@@ -106,3 +106,16 @@ def test_a_command_with_a_byte_lost_is_said_again() -> None:
     assert driver.send("$JASC,GPZDA,1") == 1
     with pytest.raises(TimeoutError):
         driver.send("$JASC,GPXYZ,1")
+
+
+def test_a_checksum_need_not_be_there_but_must_be_right() -> None:
+    driver = Driver(Rig())
+    driver.rig.wait(2.0)
+    total = reduce(xor, b"JASC,GPZDA,1", 0)
+    assert driver.send(f"$JASC,GPZDA,1*{total:02x}") == 1
+    with pytest.raises(TimeoutError):
+        driver.send(f"$JOFF*{reduce(xor, b'JOFF', 0) ^ 1:02X}")
+    assert {report.kind.value for report in driver.rig.chip.reports} == {"protocol"}
+    driver.heard.clear()
+    driver.listen(2.0)
+    assert any(fields[0] == "GPZDA" for fields in driver.heard)
