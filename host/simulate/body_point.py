@@ -14,21 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from host.sim.earth import ecef_to_geodetic, geodetic_to_ecef
-from host.simulate.attitude_forms import matrices, product, quaternions
+from host.simulate.attitude_forms import matrices, product
 from host.simulate.flyable import Flyable, metres_per_radian
 
 Floats = NDArray[np.float64]
 
 
-def origin_states(motion: Flyable, t_s: Floats) -> Floats:
-    """Rows (n, 10) of the body's origin: latitude, longitude, height, v_n, q_nb."""
-    here = motion.motion(t_s)
-    return np.hstack((here[:, :6], quaternions(here[:, 6:9])))
-
-
 def point_states(motion: Flyable, t_s: Floats, lever_m: Floats) -> Floats:
-    """The same of the point `lever_m` (3, body axes) away, whose axes are the body's."""
-    states = origin_states(motion, t_s)
+    """As `Flyable.states` (n, 10), of the point `lever_m` (3, body axes) away with the body's axes."""
+    states = motion.states(t_s)
     if not lever_m.any():
         return states
     c_nb = matrices(states[:, 6:]).reshape(-1, 3, 3)

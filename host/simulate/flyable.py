@@ -14,13 +14,13 @@ its velocity: yaw = atan2(v_E, v_N), pitch = atan(−v_D / √(v_N² + v_E²)), 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, PchipInterpolator, make_interp_spline, make_smoothing_spline
+from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from host.sim.earth import E2, SEMI_MAJOR, radians_per_metre
+from host.simulate.path_attitude import Attitude, LedAttitude, SplinedAttitude, constant, led, through
 from host.simulate.tracks.track import Track
 
 Floats = NDArray[np.float64]
@@ -57,8 +57,9 @@ class Flyable:
         self._velocity = None
         if track.velocity is not None and sigma_m == 0.0:
             self._velocity = [_spline(t, v, 0.0) for v in track.velocity.T]
-        self._angles = self._given_angles() if track.attitude is not None else self._angles_of_motion(bank)
-        self._angle_rates = [_rate(angle) for angle in self._angles]
+        self._attitude: Attitude = (
+            self._given_attitude() if track.attitude is not None else self._attitude_of_motion(bank)
+        )
 
     def offsets(self) -> Floats:
         """How far the motion passes from each point, m (n,)."""
@@ -66,24 +67,15 @@ class Flyable:
         distance: Floats = np.linalg.norm(there - self._points, axis=1)
         return distance
 
-    def motion(self, t_s: Floats) -> Floats:
-        """Rows (n, 9): latitude, longitude, height, v_n, yaw, pitch, roll."""
+    def states(self, t_s: Floats) -> Floats:
+        """Rows (n, 10): latitude, longitude, height, v_n, q_nb."""
         north, east, height = (spline(t_s) for spline in self._place)
         place = (self._origin[0] + north * self._per_north, self._origin[1] + east * self._per_east, height)
-        return np.column_stack((*place, self._velocities(t_s), *(angle(t_s) for angle in self._angles)))
+        return np.column_stack((*place, self._velocities(t_s), self._attitude.quaternions(t_s)))
 
     def turning(self, t_s: Floats) -> Floats:
         """ω_nb in body axes (n, 3)."""
-        _, pitch, roll = (angle(t_s) for angle in self._angles)
-        yaw_rate, pitch_rate, roll_rate = (rate(t_s) for rate in self._angle_rates)
-        level = yaw_rate * np.cos(pitch)
-        return np.column_stack(
-            (
-                roll_rate - yaw_rate * np.sin(pitch),
-                pitch_rate * np.cos(roll) + level * np.sin(roll),
-                level * np.cos(roll) - pitch_rate * np.sin(roll),
-            )
-        )
+        return self._attitude.turning(t_s)
 
     def _velocities(self, t_s: Floats) -> Floats:
         if self._velocity is not None:
@@ -94,51 +86,30 @@ class Flyable:
         m_here, e_here = metres_per_radian(latitude, height)
         return np.column_stack((north * self._per_north * m_here, east * self._per_east * e_here, -up))
 
-    def _given_angles(self) -> list[Callable[[Floats], Floats]]:
+    def _given_attitude(self) -> Attitude:
         assert self._track.attitude is not None
-        return [_spline(self._track.t_s, np.unwrap(angle), 0.0) for angle in self._track.attitude.T]
+        return SplinedAttitude(self._track.t_s, self._track.attitude)
 
-    def _angles_of_motion(self, bank: bool) -> list[Callable[[Floats], Floats]]:
+    def _attitude_of_motion(self, bank: bool) -> Attitude:
         count = max(2, math.ceil(self.end_s / ATTITUDE_STEP_S) + 1)
         t = np.linspace(0.0, self.end_s, count)
         v = self._velocities(t)
         level = np.hypot(v[:, 0], v[:, 1])
         moving = level > MOVING_MPS
         if not moving.any():
-            return [_constant, _constant, _constant]
-        yaw = _led(t[moving], np.unwrap(np.arctan2(v[moving, 1], v[moving, 0])), self.end_s)
-        pitch = _led(t[moving], np.arctan2(-v[moving, 2], level[moving]), self.end_s)
+            return LedAttitude(constant, constant, constant)
+        yaw = led(t[moving], np.unwrap(np.arctan2(v[moving, 1], v[moving, 0])), self.end_s)
+        pitch = led(t[moving], np.arctan2(-v[moving, 2], level[moving]), self.end_s)
         if not bank:
-            return [yaw, pitch, _constant]
+            return LedAttitude(yaw, pitch, constant)
         lean = np.arctan(level * np.gradient(yaw(t), t) / GRAVITY)
-        return [yaw, pitch, _led(t, np.clip(lean, -LARGEST_BANK, LARGEST_BANK), self.end_s)]
-
-
-def _constant(t_s: Floats) -> Floats:
-    return np.zeros(len(t_s))
-
-
-def _led(t: Floats, angle: Floats, end_s: float) -> Callable[[Floats], Floats]:
-    """Smoothly from value to value; before the first and after the last one it stays."""
-    times, values = t, angle
-    if t[0] > 0.0:
-        times, values = np.concatenate(([0.0], times)), np.concatenate((values[:1], values))
-    if times[-1] < end_s:
-        times, values = np.concatenate((times, [end_s])), np.concatenate((values, values[-1:]))
-    if len(times) == 1:
-        return lambda t_s: np.full(len(t_s), values[0])
-    led: Callable[[Floats], Floats] = PchipInterpolator(times, values)
-    return led
-
-
-def _rate(angle: Callable[[Floats], Floats]) -> Callable[[Floats], Floats]:
-    """The derivative; what is no spline is constant."""
-    return angle.derivative() if isinstance(angle, BSpline | PchipInterpolator) else _constant
+        roll = led(t, np.clip(lean, -LARGEST_BANK, LARGEST_BANK), self.end_s)
+        return LedAttitude(yaw, pitch, roll)
 
 
 def _spline(t: Floats, y: Floats, sigma: float) -> BSpline:
     if sigma == 0.0:
-        return make_interp_spline(t, y, k=5 if len(t) > 5 else 3)
+        return through(t, y)
     if len(t) < 5:
         return make_interp_spline(t, y, k=3)
     low, high = -12.0, 16.0

@@ -33,7 +33,7 @@ from host.sim.mechanization import (
 )
 from host.sim.trajectory.kinematics import C_NB, FORCE, OMEGA_IB, ROW
 from host.simulate.attitude_forms import matrices, product
-from host.simulate.body_point import origin_states, point_states
+from host.simulate.body_point import point_states
 from host.simulate.epochs import EpochFeed
 from host.simulate.flyable import Flyable
 from host.simulate.formats.known import Format
@@ -106,7 +106,7 @@ class Inverse:
         """The origin's states that belong to those of the sensor's place: as far from what was wanted."""
         if not any(self.sensors.places.sensor_m):
             return states
-        here = origin_states(self.motion, times_ns / NS)
+        here = self.motion.states(times_ns / NS)
         moved = states.copy()
         moved[:, :QUATERNION] += here[:, :QUATERNION] - wanted[:, :QUATERNION]
         back = wanted[:, QUATERNION:] * [1.0, -1.0, -1.0, -1.0]

@@ -130,3 +130,19 @@ def test_an_antenna_off_the_sensor_is_elsewhere_and_swings(tmp_path: Path) -> No
     np.testing.assert_allclose(
         (there["v_east_mps"] - here["v_east_mps"])[inside], 0.6 * np.cos(yaw)[inside], atol=2e-3
     )
+
+
+def test_a_loop_goes_through_the_vertical(tmp_path: Path) -> None:
+    """Ten attitudes a second of a body that pitches over at 20 °/s: yaw and roll jump at each vertical,
+    the body does not. Besides its turn it feels the Earth's, 0.0042 °/s at most."""
+    lines = []
+    for k in range(201):
+        over = math.radians(2.0 * k)
+        pitch, front = math.degrees(math.asin(math.sin(over))), math.cos(over) >= 0.0
+        lines.append(f"{k / 10:.1f},47,8,5000,{0 if front else 180},{pitch:.12g},{0 if front else 180}")
+    path = tmp_path / "loop.csv"
+    path.write_text("t_s,lat,lon,alt,yaw,pitch,roll\n" + "\n".join(lines) + "\n")
+    result = inverse(path, "-o", tmp_path / "loop.npz", "-q")
+    assert result.exit_code == 0, result.output
+    rate = np.degrees(np.load(tmp_path / "loop.npz")["imu"]["dtheta"] * 200.0)
+    assert np.abs(rate - [0.0, 20.0, 0.0]).max() < 0.0043

@@ -19,6 +19,8 @@ from numpy.typing import NDArray
 
 from host.sim.earth import EARTH_RATE, radii_and_gravity
 from host.sim.trajectory.kinematics import C_NB, FORCE, HEIGHT, LATITUDE, LONGITUDE, OMEGA_IB
+from host.sim.truth import euler_angles
+from host.simulate.attitude_forms import matrices
 from host.simulate.inverse import Closure, Inverse
 from host.simulate.proof.closure import inverse_of
 from host.simulate.proof.figure import Figure
@@ -62,7 +64,7 @@ def library_errors(inverse: Inverse, supplied: bool = False) -> Floats:
     truth = np.vstack([block.truth for block in blocks])
     step_s = 1.0 / float(inverse.rate_hz)
     increments = _increments(truth, earth, step_s)
-    first = inverse.motion.motion(np.zeros(1))[0]
+    first = inverse.motion.states(np.zeros(1))[0]
     if supplied:
         increments[:, 3:] += _coriolis_growth(truth, first, step_s)
     imu = pandas.DataFrame(
@@ -70,7 +72,8 @@ def library_errors(inverse: Inverse, supplied: bool = False) -> Floats:
         columns=util.GYRO_COLS + util.ACCEL_COLS,
         index=np.arange(len(increments) + 1) * step_s,
     )
-    angles = np.degrees(first[[8, 7, 6]])
+    yaw, pitch, roll = (float(angle[0]) for angle in euler_angles(matrices(first[None, 6:])))
+    angles = np.degrees([roll, pitch, yaw])
     start = np.hstack((np.degrees(first[:2]), first[2:6], angles))
     columns = util.LLA_COLS + util.VEL_COLS + util.RPH_COLS
     begin = pandas.Series(start, index=columns, name=0.0)
