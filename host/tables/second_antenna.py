@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from boards.description import Chip, load_board
 from hal.emulated.virtual_time import SECOND
+from host.record.errors import UserError
 from host.record.result import RunRequest, RunResult
 from host.run.readiness import prepared
 from host.run.runner import run
@@ -73,7 +74,9 @@ def _row(motion: str, attitude: str, result: RunResult, receiver_rms: float) -> 
     assert result.data is not None
     series = result.data.solution
     times_s = series.column("t_s")
-    begins_s = float(times_s[0])
+    begins_s = result.metrics["aligned_at_s"]
+    if begins_s is None:
+        raise UserError(f"the board did not begin to navigate {motion}, second antenna {attitude}")
     late = times_s >= begins_s + AFTER_S
     yaw = np.abs(series.column("error_yaw_deg")[late])
     pitch = series.column("error_pitch_deg")[late]

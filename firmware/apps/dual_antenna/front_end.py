@@ -34,6 +34,7 @@ class FrontEnd:
     """Implements `hal.board_io.Program`."""
 
     def __init__(self, io: BoardIo) -> None:
+        at.check_memory(io.memories["exchange"])
         self._io = io
         self._ticks = 0
 

@@ -19,6 +19,7 @@ from typing import Final
 
 from firmware.drivers.gnss_epoch import RECORD_SIZE
 from firmware.drivers.serial_imu_frames import SAMPLE_SIZE
+from hal.dual_port import DualPortMemory
 
 WORD: Final = 4
 SAMPLE_WORDS: Final = 2 * SAMPLE_SIZE
@@ -45,6 +46,16 @@ COUNT_MASK: Final = 0xFFFF
 EPOCH_SHIFT, START_SHIFT = 16, 24
 BYTE: Final = 0xFF
 WORD_MASK: Final = 0xFFFF_FFFF
+
+
+def check_memory(memory: DualPortMemory) -> None:
+    """Raises ValueError for a memory that the map does not fit."""
+    needed = OUTPUT_AT + OUTPUT_WORDS
+    if memory.words < needed or memory.word_bytes != WORD:
+        raise ValueError(
+            f"the memory 'exchange' has {memory.words} words of {8 * memory.word_bytes} bits; the programs of"
+            f" this board need {needed} of {8 * WORD}: interconnects.exchange.words = {needed}"
+        )
 
 
 def words_of(length: int) -> int:

@@ -12,6 +12,7 @@ from typing import Any
 from firmware.apps.dual_antenna.exchange import Exchange
 from firmware.apps.dual_antenna.front_end_news import FrontEndNews
 from firmware.apps.dual_antenna.host_port import HostPort
+from firmware.apps.dual_antenna.memory_map import check_memory
 from firmware.apps.dual_antenna.navigation import Navigation, NavigationKernels, nav_config
 from firmware.apps.dual_antenna.settings import Settings
 from firmware.apps.dual_antenna.words import Words
@@ -32,6 +33,7 @@ class Navigator:
     """Implements `hal.board_io.Program`."""
 
     def __init__(self, io: BoardIo, settings: Settings, installation: Mapping[str, Any]) -> None:
+        check_memory(io.memories["exchange"])
         self._io = io
         self._settings = settings
         self._kernels = NavigationKernels(settings.precision)
