@@ -10,9 +10,9 @@ from struct import Struct
 
 from boards.chips.gr87.binary import HEAD, TAIL
 from boards.chips.gr87.sentences import Picture
+from boards.chips.receivers.earth_centred import earth_centred
 from boards.chips.receivers.fields import degrees, longitude_degrees
 from boards.chips.receivers.utc import gps_week
-from boards.chips.world import GnssEpoch
 
 NAVIGATION, TRACKER, VERSION, ACCEPTED, REFUSED, GEODETIC = 2, 4, 6, 11, 12, 41
 SOFTWARE = b"GSW3.2.4"
@@ -22,7 +22,6 @@ MODES = {1: 0, 2: 3, 3: 4}
 WGS_84 = 21
 USED, TRACKED = 0x00BF, 0x003F
 """State of a channel: all locked, with ephemeris or without."""
-MAJOR_M, FLATTENING = 6_378_137.0, 1.0 / 298.257223563
 
 _NAVIGATION = Struct(">B3i3hBBBHIB12B")
 _TRACKER = Struct(">BHIB")
@@ -49,7 +48,10 @@ def version() -> bytes:
 def navigation(picture: Picture) -> bytes:
     """Message 2: position and velocity in ECEF."""
     epoch, used = picture.epoch, [one.number for one in picture.used]
-    position, velocity = _ecef(epoch) if picture.fix > 1 else ((0.0,) * 3, (0.0,) * 3)
+    position = velocity = (0.0, 0.0, 0.0)
+    if picture.fix > 1:
+        place = (epoch.latitude, epoch.longitude, epoch.height)
+        position, velocity = earth_centred(*place, epoch.velocity_ned)
     week, tow_ms = gps_week(picture.gps_ns)
     return framed(
         _NAVIGATION.pack(
@@ -125,21 +127,3 @@ MESSAGES = {NAVIGATION: navigation, TRACKER: tracker, GEODETIC: geodetic}
 
 def _limited(value: float, bits: int) -> int:
     return max(-(1 << bits), min((1 << bits) - 1, round(value)))
-
-
-def _ecef(epoch: GnssEpoch) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Position (m) and velocity (m/s)."""
-    sin_lat, cos_lat = math.sin(epoch.latitude), math.cos(epoch.latitude)
-    sin_lon, cos_lon = math.sin(epoch.longitude), math.cos(epoch.longitude)
-    squared = FLATTENING * (2.0 - FLATTENING)
-    normal = MAJOR_M / math.sqrt(1.0 - squared * sin_lat * sin_lat)
-    level = (normal + epoch.height) * cos_lat
-    position = (level * cos_lon, level * sin_lon, (normal * (1.0 - squared) + epoch.height) * sin_lat)
-    north, east, down = epoch.velocity_ned
-    outward = -sin_lat * north - cos_lat * down
-    velocity = (
-        cos_lon * outward - sin_lon * east,
-        sin_lon * outward + cos_lon * east,
-        cos_lat * north - sin_lat * down,
-    )
-    return position, velocity

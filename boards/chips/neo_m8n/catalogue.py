@@ -18,21 +18,26 @@ BinaryMessage = Callable[[Solution], bytes]
 Sentences = Callable[[NmeaSet], list[bytes]]
 
 BINARY: dict[int, BinaryMessage] = {
+    0x0101: ubx_nav.nav_posecef,
     0x0102: ubx_nav.nav_posllh,
     0x0103: ubx_nav.nav_status,
     0x0104: ubx_nav.nav_dop,
     0x0106: ubx_nav.nav_sol,
     0x0107: ubx_nav.nav_pvt,
+    0x0111: ubx_nav.nav_velecef,
     0x0112: ubx_nav.nav_velned,
     0x0120: ubx_nav.nav_timegps,
     0x0121: ubx_nav.nav_timeutc,
     0x0122: ubx_nav.nav_clock,
     0x0130: ubx_satellites.nav_svinfo,
     0x0135: ubx_satellites.nav_sat,
+    0x0161: ubx_nav.nav_eoe,
     0x0A04: lambda _: identity.mon_ver(),
     0x0A09: lambda _: identity.mon_hw(),
 }
 """UBX messages by class · 256 + id."""
+END_OF_EPOCH = 0x0161
+"""Comes behind everything else of an epoch, sentences too."""
 
 
 def _one(body_of: Callable[[NmeaSet], bytes]) -> Sentences:
@@ -76,7 +81,7 @@ SENTENCE_IDS = {
 EVENT_DRIVEN = frozenset((0xF041,))
 """TXT: comes when there is something to say, whatever its rate; CFG-INF switches it."""
 
-_NAV_MISSING = (0x01, 0x09, 0x11, 0x23, 0x24, 0x25, 0x26, 0x31, 0x32, 0x34, 0x39, 0x60, 0x61)
+_NAV_MISSING = (0x09, 0x23, 0x24, 0x25, 0x26, 0x31, 0x32, 0x34, 0x39, 0x60)
 _RXM_MISSING = (0x13, 0x14, 0x15, 0x41, 0x59)
 _MON_MISSING = (0x02, 0x06, 0x07, 0x08, 0x0B, 0x21, 0x28, 0x2E)
 _TIM_MISSING = (0x01, 0x03, 0x06)

@@ -7,7 +7,7 @@ settings that were in force when its message came.
 from __future__ import annotations
 
 from boards.chips.neo_m8n import settings as cfg
-from boards.chips.neo_m8n.catalogue import BINARY, SENTENCES, BinaryMessage, Sentences
+from boards.chips.neo_m8n.catalogue import BINARY, END_OF_EPOCH, SENTENCES, BinaryMessage, Sentences
 from boards.chips.neo_m8n.configure_systems import style_of
 from boards.chips.neo_m8n.identity import START_UP_TEXTS
 from boards.chips.neo_m8n.nmea import TXT_ERROR, TXT_NOTICE, NmeaSet, txt
@@ -37,6 +37,7 @@ class Output:
         self._epochs = 0
         self._binary: list[tuple[int, BinaryMessage]] = []
         self._sentences: list[tuple[int, Sentences]] = []
+        self._end_rate = 0
 
     def start(self) -> None:
         """The port comes up: settings, baud rate, start-up texts."""
@@ -64,6 +65,8 @@ class Output:
             for rate, sentences_of in self._sentences:
                 if count % rate == 0:
                     messages += sentences_of(printed)
+        if self._end_rate and count % self._end_rate == 0:
+            messages.append(BINARY[END_OF_EPOCH](solution))
         if messages:
             self.transmitter.send(messages)
 
@@ -115,7 +118,9 @@ class Output:
             (rate, build)
             for message, build in BINARY.items()
             if out_mask & PROTOCOL_UBX and (rate := settings.rates(message)[cfg.UART1])
+            if message != END_OF_EPOCH
         ]
+        self._end_rate = settings.rates(END_OF_EPOCH)[cfg.UART1] if out_mask & PROTOCOL_UBX else 0
         self._sentences = [
             (rate, sentences_of)
             for message, sentences_of in SENTENCES.items()

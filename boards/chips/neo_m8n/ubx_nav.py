@@ -12,7 +12,9 @@ from struct import Struct
 
 from boards.chips.neo_m8n.solution import UNKNOWN_ACCURACY, Solution
 from boards.chips.neo_m8n.ubx import CLASS_NAV, frame
+from boards.chips.receivers.earth_centred import Triple, earth_centred
 
+_ECEF = Struct("<I3iI")
 _POSLLH = Struct("<I4i2I")
 _STATUS = Struct("<I4B2I")
 _DOP = Struct("<I7H")
@@ -27,8 +29,6 @@ LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
 NO_FIX_DOP = 9999
 NO_FIX_S_ACC_MMPS = 20_000
 LARGEST_HEADING_ACC = 18_000_000
-_WGS84_A = 6_378_137.0
-_WGS84_E2 = 0.00669437999014
 USNO = 3
 """UTC standard: the one derived from GPS."""
 
@@ -95,6 +95,36 @@ def _fix_flags(solution: Solution) -> int:
     return (1 if solution.fix else 0) | (0x0C if solution.time_known else 0)
 
 
+def _place_accuracy(solution: Solution) -> int:
+    """Of an earth-centred position, cm."""
+    epoch = solution.epoch
+    return _accuracy(math.hypot(epoch.h_acc, epoch.v_acc), 1e2) if solution.fix else UNKNOWN_ACCURACY
+
+
+def _speed_accuracy(solution: Solution) -> int:
+    """Of an earth-centred velocity, cm/s."""
+    return _accuracy(solution.epoch.s_acc, 1e2) if solution.fix else NO_FIX_S_ACC_MMPS // 10
+
+
+def nav_posecef(solution: Solution) -> bytes:
+    """01 01: earth-centred position in cm."""
+    place, _ = _earth_centred(solution)
+    units = (_integer(metres, 1e2) for metres in place)
+    return frame(CLASS_NAV, 0x01, _ECEF.pack(solution.tow_ms, *units, _place_accuracy(solution)))
+
+
+def nav_velecef(solution: Solution) -> bytes:
+    """01 11: earth-centred velocity in cm/s."""
+    _, velocity = _earth_centred(solution)
+    units = (_integer(speed, 1e2) for speed in velocity)
+    return frame(CLASS_NAV, 0x11, _ECEF.pack(solution.tow_ms, *units, _speed_accuracy(solution)))
+
+
+def nav_eoe(solution: Solution) -> bytes:
+    """01 61: the last message of an epoch."""
+    return frame(CLASS_NAV, 0x61, solution.tow_ms.to_bytes(4, "little"))
+
+
 def nav_posllh(solution: Solution) -> bytes:
     """01 02: geodetic position."""
     return frame(CLASS_NAV, 0x02, _POSLLH.pack(solution.tow_ms, *_position(solution)))
@@ -128,9 +158,9 @@ def nav_sol(solution: Solution) -> bytes:
         *(solution.tow_ms, _remainder_ns(solution), _week(solution)),
         *(fix, _fix_flags(solution)),
         *(_integer(metres, 1e2) for metres in place),
-        _accuracy(math.hypot(epoch.h_acc, epoch.v_acc), 1e2) if fix else UNKNOWN_ACCURACY,
+        _place_accuracy(solution),
         *(_integer(speed, 1e2) for speed in velocity),
-        _accuracy(epoch.s_acc, 1e2) if fix else NO_FIX_S_ACC_MMPS // 10,
+        _speed_accuracy(solution),
         *(_dop(epoch.pdop) if fix else NO_FIX_DOP, 0, min(solution.used, 255), 0),
     )
     return frame(CLASS_NAV, 0x06, payload)
@@ -204,17 +234,10 @@ def _remainder_ns(solution: Solution) -> int:
     return (solution.gps_time_ns + 500_000) % 1_000_000 - 500_000
 
 
-def _earth_centred(solution: Solution) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
+def _earth_centred(solution: Solution) -> tuple[Triple, Triple]:
     """Position m and velocity m/s in the earth-centred frame; zeros before the first position."""
     if not solution.position_known:
         return (0.0, 0.0, 0.0), (0.0, 0.0, 0.0)
-    lat, lon = math.radians(solution.latitude_deg), math.radians(solution.longitude_deg)
-    s_lat, c_lat, s_lon, c_lon = math.sin(lat), math.cos(lat), math.sin(lon), math.cos(lon)
-    normal = _WGS84_A / math.sqrt(1.0 - _WGS84_E2 * s_lat * s_lat)
-    radius = (normal + solution.height) * c_lat
-    place = (radius * c_lon, radius * s_lon, (normal * (1.0 - _WGS84_E2) + solution.height) * s_lat)
-    if not solution.fix:
-        return place, (0.0, 0.0, 0.0)
-    north, east, down = solution.epoch.velocity_ned
-    level = -north * s_lat - down * c_lat
-    return place, (level * c_lon - east * s_lon, level * s_lon + east * c_lon, north * c_lat - down * s_lat)
+    latitude, longitude = math.radians(solution.latitude_deg), math.radians(solution.longitude_deg)
+    place, velocity = earth_centred(latitude, longitude, solution.height, solution.epoch.velocity_ned)
+    return place, velocity if solution.fix else (0.0, 0.0, 0.0)

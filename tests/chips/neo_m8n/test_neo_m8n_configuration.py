@@ -152,7 +152,7 @@ def test_message_rates_for_one_port_and_for_all(rig: Rig) -> None:
 def test_every_periodic_message_parses_and_agrees(rig: Rig) -> None:
     rig.say(ubx(6, PRT, bytes.fromhex("01000000d0080000000e0e000700030000000000")))
     rig.run(0.3)
-    ids = (0x02, 0x03, 0x04, 0x06, 0x07, 0x12, 0x20, 0x21, 0x22, 0x30, 0x35)
+    ids = (0x01, 0x02, 0x03, 0x04, 0x06, 0x07, 0x11, 0x12, 0x20, 0x21, 0x22, 0x30, 0x35, 0x61)
     for message_id in ids:
         rig.say(ubx(6, MSG, bytes((1, message_id, 1))))
     rig.say(ubx(6, MSG, bytes((0x0A, 0x09, 1))))
@@ -176,6 +176,17 @@ def test_every_periodic_message_parses_and_agrees(rig: Rig) -> None:
     assert (sol.ecefX, sol.ecefY, sol.ecefZ) == (405_378_749, -30_189_255, 489_860_270)
     speed = (sol.ecefVX**2 + sol.ecefVY**2 + sol.ecefVZ**2) ** 0.5
     assert speed == pytest.approx(500.6, abs=1.5)
+    place, velocity = messages["NAV-POSECEF"], messages["NAV-VELECEF"]
+    assert (place.ecefX, place.ecefY, place.ecefZ, place.pAcc) == (sol.ecefX, sol.ecefY, sol.ecefZ, sol.pAcc)
+    assert (velocity.ecefVX, velocity.ecefVY, velocity.ecefVZ) == (sol.ecefVX, sol.ecefVY, sol.ecefVZ)
+
+
+def test_end_of_epoch_comes_behind_everything(rig: Rig) -> None:
+    for message in ("016101", "010701", "f00401"):
+        rig.say(ubx(6, MSG, bytes.fromhex(message)))
+    rig.run_to((rig.time.now // SECOND + 1) * SECOND)
+    told = rig.run(0.9)
+    assert told.index(b"\xb5b\x01\x07") < told.index(b"RMC") < told.index(b"\xb5b\x01\x61")
 
 
 def test_poll_of_any_message_answers_with_the_newest_solution(rig: Rig) -> None:
