@@ -14,6 +14,7 @@ from firmware.nav import layout as at
 from firmware.nav import reference_layout as ref
 from firmware.nav import tuning as cfg
 from firmware.nav.covariance import absorb_projected, project, projected_product, remaining_residual
+from firmware.nav.dead_time import lost_turn_since
 from firmware.nav.feedback import clear_correction, correction_is_sound, feed_back
 from firmware.nav.flags import (
     ATTITUDE_REJECTED,
@@ -101,7 +102,8 @@ def _begin_record(f, i, time):
 def _absorb_angle(f, i, e, time, angle):
     """Update by one angle, if it passes."""
     residual = wrap_pi(told_angle(e, angle) - f[ref.PREDICTED + angle])
-    variance = single_variance(f, e, angle)
+    lost_tilt, lost_yaw = lost_turn_since(f, i, time)
+    variance = single_variance(f, e, angle) + (lost_yaw if angle == ref.HEADING else lost_tilt)
     f[at.RESIDUAL + angle] = residual
     project(f, angle)
     s = projected_product(f, angle, angle) + variance

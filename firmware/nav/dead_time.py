@@ -60,3 +60,12 @@ def lost_since(f, i, time):
     dt = seconds_between(time, i[at.TIME])
     square = f[cfg.LOST_FORCE_SQUARE] * dt * dt
     return square, QUARTER * square * dt * dt
+
+
+@kernel
+def lost_turn_since(f, i, time):
+    """Variances of tilt and yaw, against now, of a state at `time` before the end of dead time."""
+    if i[at.DEAD_UNTIL] <= time:
+        return ZERO, ZERO
+    dt = seconds_between(time, i[at.TIME])
+    return f[cfg.LOST_TILT_RATE_SQUARE] * dt * dt, f[cfg.LOST_YAW_RATE_SQUARE] * dt * dt

@@ -71,7 +71,7 @@ def run(drive: Drive, config: NavConfig, precision: str = "float64") -> Result:
     arrival, record = next(pending)
     found: list[Any] = []
     for time, sample in zip(drive.times_ns.tolist(), drive.samples.tolist(), strict=True):
-        if arrival <= time:
+        while arrival <= time:
             fix.gnss_step(f, i, record)
             reference.attitude_step(f, i, record)
             arrival, record = next(pending)

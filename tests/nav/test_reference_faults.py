@@ -125,12 +125,12 @@ def test_a_wrong_baseline_does_not_begin_navigation(offset: float) -> None:
 def test_records_in_strange_order_do_no_harm(drive: Drive) -> None:
     """Old ones, future ones, none that begins: nothing moves, nothing raises."""
     one = run(drive, CONFIG, "float32")
-    reference = doors("float32")[2]
+    door = doors("float32")[2]
     before = one.f[: at.CONFIG].copy()
     for offset in (-5 * NS, 5 * NS):
         e = drive.epochs[-1].copy()
         e[gnss.VALID_NS] = one.i[at.TIME] + offset
-        reference.attitude_step(one.f, one.i, e)
+        door.attitude_step(one.f, one.i, e)
     moved = one.f[: at.CONFIG] != before
     assert not moved[at.QUATERNION : at.QUATERNION + 4].any()
     assert np.isfinite(one.f).all()
