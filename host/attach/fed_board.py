@@ -74,6 +74,6 @@ def inputs_of(path: Path, given: str) -> list[Input]:
     if not inputs:
         raise UserError(
             f"--feed {given}: holds no raw frames from a start on; record some, for example"
-            " navtwin run car_mems --set profile.raw_output=true -o runs/fed"
+            " navtwin run car_mems --set profile.raw_output=true --out runs/fed"
         )
     return inputs

@@ -55,6 +55,7 @@ class Feeding:
         self._next = self._furthest = 0
         self._bytes = 0
         self._asked: tuple[int, float] = (-1, 0.0)
+        self._waits_since_s = 0.0
 
     @property
     def is_done(self) -> bool:
@@ -71,7 +72,7 @@ class Feeding:
 
     def due(self, now_s: float) -> list[bytes]:
         """Frames to send now."""
-        if now_s - self.progress_s > PATIENCE_S and self._next > self.taken:
+        if now_s - self._waits_since_s > PATIENCE_S and self._next > self.taken:
             self._go_back(self.taken, now_s)
         frames = []
         while self._next < len(self._inputs) and self._bytes < WINDOW_BYTES:
@@ -117,13 +118,13 @@ class Feeding:
     def _take_until(self, place: int, now_s: float) -> None:
         self._bytes -= self._bytes_of(self.taken, place)
         self.taken = place
-        self.progress_s = now_s
+        self.progress_s = self._waits_since_s = now_s
 
     def _go_back(self, place: int, now_s: float) -> None:
         self.taken = min(self.taken, place)
         self._next = place
         self._bytes = self._bytes_of(self.taken, place)
-        self.progress_s = max(self.progress_s, now_s - PATIENCE_S / 2)
+        self._waits_since_s = now_s
 
     def _bytes_of(self, begin: int, end: int) -> int:
         return sum(len(payload) + 7 for _, payload in self._inputs[begin:end])

@@ -8,6 +8,7 @@ from contextlib import contextmanager, nullcontext
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+from boards.description import load_board
 from firmware.link.stand_alone import StandAlone
 from firmware.numerics.dialect import entries_observed
 from hal.emulated.virtual_time import SECOND
@@ -86,12 +87,21 @@ class PilResult:
         return {"format": FORMAT, **asdict(self)}
 
 
-def image_of(request: RunRequest, planted: str | None = None, limit: int | None = None) -> Image:
-    """The image of a board and profile. Raises UserError."""
+def image_of(
+    request: RunRequest, planted: str | None = None, limit: int | None = None, as_asked: bool = False
+) -> Image:
+    """The image of a board and profile. `as_asked`: its own loop is configured as scenario and --set of the
+    request say, not as the board's profile alone. Raises UserError."""
     setup, world = prepared(request)
     with user_errors():
-        loop = stand_alone_of(setup.board, setup.profile)
+        loop = stand_alone_of(setup.board, setup.profile) if as_asked else _own_loop(request.board, setup)
         return build_image(kernels_of(setup, world.another()), planted, limit, loop)
+
+
+def _own_loop(name: str, setup: Setup) -> StandAlone | None:
+    """The loop of a board's profile, whatever scenario and options change: what `navtwin build` flashes."""
+    board = load_board(name)
+    return stand_alone_of(board, board.profiles[setup.profile_name])
 
 
 def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
@@ -151,7 +161,7 @@ def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
 def _kernels(request: PilRequest, setup: Setup, world: World) -> tuple[list[TargetKernel], StandAlone | None]:
     """What the image holds. Costs and single kernels are of parsers and frames, too."""
     with user_errors():
-        loop = None if request.unit else stand_alone_of(setup.board, setup.profile)
+        loop = None if request.unit else _own_loop(request.run.board, setup)
         wanted = ALL if request.unit or request.counts_parts else NAVIGATION
         kernels = kernels_of(setup, world.another(), wanted)
     if request.unit:

@@ -76,7 +76,7 @@ def run_stand_alone(request: RunRequest, port: str | None, notice: Callable[[str
             " with by itself; for example navtwin pil car_mems --stand-alone"
         )
     notice("building the image (a minute when the kernels are new) …")
-    image = image_of(request)
+    image = image_of(request, as_asked=True)
     inputs = _inputs_of_run(request)
     begin = time.perf_counter()
     with emulated_board(image.file("elf")) if port is None else nullcontext(port) as name:
