@@ -97,11 +97,13 @@ def share_noise(g, f, which, share):
 
 
 @kernel
-def measure_differences(g, f1, i1, f2, i2, fm, im):
-    """How far each sub-filter is from the master, before they are fused: layout.WORST."""
+def measure_differences(g, n, f1, i1, f2, i2, fm, im):
+    """How far each sub-filter is from the master, before they are fused: layout.WORST. After a zero reset the
+    compass filter knows attitude only together with the error of the compass, which the master holds then."""
+    states = ALL if n[gl.MODE] == gl.ZERO_RESET else COMMON
     differ(g, f1, i1, fm, im)
-    factor_estimate(g, f1, COMMON)
-    g[gl.WORST] = largest_difference(g, fm, COMMON)
+    factor_estimate(g, f1, states)
+    g[gl.WORST] = largest_difference(g, fm, states)
     differ(g, f2, i2, fm, im)
     factor_estimate(g, f2, COMMON)
     g[gl.WORST + 1] = largest_difference(g, fm, COMMON)

@@ -58,6 +58,8 @@ class FilterConfig:
     """Accepted in a row."""
     silent_after: tuple[float, float] = (2.0, 5.0)
     """s."""
+    reopen_after: tuple[int, int] = (1200, 120)
+    """Refused in a row, of compass and GPS: the global state is no longer held against them."""
     compass_repeats: int = 20
     rate_limit: float = 2000.0 * DEG
     force_limit: float = 16.0 * G
@@ -175,6 +177,7 @@ def _core(c: FilterConfig, compass: bool) -> NavConfig:
         vertical_factor=heading / tilt,
         velocity_noise=c.velocity_noise,
         latency_sigma=0.0,
+        attitude_lost_after=1e6,
         constraint=False,
         standstill=False,
     )
@@ -205,6 +208,7 @@ def _configure_sharing(g: NDArray[Any], n: NDArray[np.int64], c: FilterConfig) -
     n[gl.LIMIT_SCORE : gl.LIMIT_SCORE + 2] = c.isolate_after
     n[gl.LIMIT_GOOD : gl.LIMIT_GOOD + 2] = c.recover_after
     n[gl.LIMIT_SILENCE : gl.LIMIT_SILENCE + 2] = [round(1e9 * t) for t in c.silent_after]
+    n[gl.LIMIT_REFUSED : gl.LIMIT_REFUSED + 2] = c.reopen_after
     n[gl.LIMIT_REPEATS] = c.compass_repeats
     n[gl.TICK_NS] = round(1e9 * c.sample_period)
 

@@ -57,16 +57,22 @@ def gps_update(f, i, g, e, since):
         f[at.RESIDUAL + k] += f[COMPASS_ERROR + k]
         f[at.ROWS + k * at.STATES + X_COMPASS_ERROR + k] = ZERO
         f[at.VARIANCE + k] = g[gl.GPS_VARIANCE + (1 if k == 2 else 0)]
-    heights = (e[gnss.FLAGS] & gnss.HAS_HEIGHT) != 0
-    believed = _absorb(f, g, 0, 3 if heights else 2)
-    if has_course(e):
+    count = 3 if e[gnss.FLAGS] & gnss.HAS_HEIGHT else 2
+    passes = _passes(f, g, 0, count)
+    moving = has_course(e)
+    velocities = 3 if e[gnss.FLAGS] & gnss.HAS_VELOCITY else 2
+    velocity_passes = True
+    if moving:
         velocity_rows(f, i, e, time)
         for k in range(THREE):
             f[at.VARIANCE + VELOCITY_ROW + k] = g[gl.GPS_VARIANCE + 2]
-        measured = (e[gnss.FLAGS] & gnss.HAS_VELOCITY) != 0
-        believed = _absorb(f, g, VELOCITY_ROW, 3 if measured else 2) and believed
+        velocity_passes = _passes(f, g, VELOCITY_ROW, velocities)
+    if passes:
+        absorb_group(f, 0, count)
+    if moving and velocity_passes:
+        absorb_group(f, VELOCITY_ROW, velocities)
     feed_back(f, i)
-    return believed
+    return passes and velocity_passes
 
 
 @kernel
@@ -91,10 +97,6 @@ def _couple_heading(f, t):
 
 
 @kernel
-def _absorb(f, g, first, count):
-    """Rows of one kind, if they pass their gate; whether they did."""
-    gate = g[gl.GATE_3] if count == 3 else g[gl.GATE_2]
-    if not weigh_group(f, first, count) <= gate:
-        return False
-    absorb_group(f, first, count)
-    return True
+def _passes(f, g, first, count):
+    """Whether rows of one kind agree with what is known; asked of all before any is absorbed."""
+    return weigh_group(f, first, count) <= (g[gl.GATE_3] if count == 3 else g[gl.GATE_2])

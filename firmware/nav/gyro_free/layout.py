@@ -132,7 +132,12 @@ TICK = 37
 """Time of the last packet, ns."""
 TICK_NS = 38
 """Its period."""
-N_SIZE = 40
+REFUSED_IN_A_ROW = 40
+LIMIT_REFUSED = 42
+"""In a row, of compass and GPS: then the global state may be the wrong one."""
+REOPENED = 44
+"""How often it was taken for that, each of the two."""
+N_SIZE = 46
 
 
 INTEGRATION = 0
@@ -154,4 +159,5 @@ NO_CAUSE = 0
 CONTRADICTED = 1
 SILENT = 2
 DIFFERENT = 3
-CAUSE_NAMES = ("none", "measurements refused", "silent", "differs from the others")
+BROKEN = 4
+CAUSE_NAMES = ("none", "measurements refused", "silent", "differs from the others", "state not sound")

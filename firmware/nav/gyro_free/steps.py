@@ -19,12 +19,20 @@ from firmware.nav.gyro_free import layout as gl
 from firmware.nav.gyro_free.compass import compass_update, true_heading
 from firmware.nav.gyro_free.federation import (
     fuse_filters,
+    know_nothing,
     measure_differences,
     predict_all,
     reset_filters,
 )
 from firmware.nav.gyro_free.gps import gps_update
-from firmware.nav.gyro_free.trust import compass_repeats, judge_filters, note_measurement, recover_filters
+from firmware.nav.gyro_free.trust import (
+    compass_repeats,
+    is_usable,
+    judge_filters,
+    note_measurement,
+    recover_filters,
+    reopen,
+)
 from firmware.nav.history import seconds_between
 from firmware.numerics.dialect import kernel
 
@@ -61,10 +69,13 @@ def gps_step(g, n, f2, i2, e):
 def fusion_step(g, n, f1, i1, f2, i2, fm, im):
     """Fuse what is trusted into the master and reset the filters; False: nothing to fuse."""
     predict_all(f1, f2, fm)
-    measure_differences(g, f1, i1, f2, i2, fm, im)
-    judge_filters(g, n, im[at.TIME])
+    measure_differences(g, n, f1, i1, f2, i2, fm, im)
+    judge_filters(g, n, f1, i1, f2, i2, im[at.TIME])
+    if not is_usable(fm, im):
+        know_nothing(g, fm, True)
     fused = fuse_filters(g, n, f1, i1, f2, i2, fm, im)
     n[gl.FUSIONS] += 1
+    reopen(g, n, fm)
     recovered = recover_filters(n)
     reset_filters(g, n, f1, i1, f2, i2, fm, im, recovered)
     return fused

@@ -6,15 +6,27 @@ detected   measurements refused by their gate, counted up, accepted ones counted
            resets, when filters go apart by what each cannot observe)
 isolated   it gives nothing to the fusion and takes the global state at each
 recovered  so many measurements in a row agree with the global state again
+reopened   refused for minutes without end: it may be the global state that is wrong (reopen)
 """
 
 import numpy as np
 
+from firmware.nav import layout as at
+from firmware.nav.covariance import add_variance, is_sound
+from firmware.nav.flags import NAVIGATING
 from firmware.nav.gyro_free import layout as gl
+from firmware.nav.restart import state_is_sound
 from firmware.numerics.dialect import kernel
 
 ZERO = np.int64(0)
 TWO = np.int32(2)
+THREE = np.int32(3)
+
+
+@kernel
+def is_usable(f, i):
+    """Whether a filter navigates and all of it are numbers."""
+    return i[at.MODE] == NAVIGATING and state_is_sound(f) and is_sound(f)
 
 
 @kernel
@@ -25,7 +37,9 @@ def note_measurement(n, which, believed, time):
         n[gl.USED + which] += 1
         n[gl.GOOD + which] += 1
         n[gl.SCORE + which] = max(n[gl.SCORE + which] - 1, ZERO)
+        n[gl.REFUSED_IN_A_ROW + which] = 0
         return
+    n[gl.REFUSED_IN_A_ROW + which] += 1
     n[gl.REFUSED_MEASUREMENTS + which] += 1
     n[gl.GOOD + which] = 0
     n[gl.SCORE + which] += 1
@@ -48,8 +62,14 @@ def compass_repeats(n, heading, pitch, roll):
 
 
 @kernel
-def judge_filters(g, n, time):
-    """Before a fusion: who is silent, who differs; at most one of the two for differing."""
+def judge_filters(g, n, f1, i1, f2, i2, time):
+    """Before a fusion: who began anew, who is silent, who differs; at most one of the two for differing."""
+    if not is_usable(f1, i1):
+        n[gl.GOOD] = 0
+        _isolate(n, gl.COMPASS, gl.BROKEN)
+    if not is_usable(f2, i2):
+        n[gl.GOOD + 1] = 0
+        _isolate(n, gl.GPS, gl.BROKEN)
     for k in range(TWO):
         if time - n[gl.LAST + k] > n[gl.LIMIT_SILENCE + k]:
             n[gl.GOOD + k] = 0
@@ -72,6 +92,23 @@ def recover_filters(n):
             n[gl.ISOLATED_BY + k] = gl.NO_CAUSE
             recovered = True
     return recovered
+
+
+@kernel
+def reopen(g, n, fm):
+    """A sensor whose measurements have been refused for minutes may be right after all: the master, and with
+    it whoever takes its state, becomes so uncertain that the next ones pass."""
+    if n[gl.REFUSED_IN_A_ROW + gl.COMPASS] >= n[gl.LIMIT_REFUSED + gl.COMPASS]:
+        n[gl.REFUSED_IN_A_ROW + gl.COMPASS] = 0
+        n[gl.REOPENED + gl.COMPASS] += 1
+        for k in range(THREE):
+            add_variance(fm, at.X_ATTITUDE + k, g[gl.NO_INFORMATION + 2])
+    if n[gl.REFUSED_IN_A_ROW + gl.GPS] >= n[gl.LIMIT_REFUSED + gl.GPS]:
+        n[gl.REFUSED_IN_A_ROW + gl.GPS] = 0
+        n[gl.REOPENED + gl.GPS] += 1
+        for k in range(THREE):
+            add_variance(fm, at.X_POSITION + k, g[gl.NO_INFORMATION])
+            add_variance(fm, at.X_VELOCITY + k, g[gl.NO_INFORMATION + 1])
 
 
 @kernel
