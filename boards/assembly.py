@@ -5,7 +5,6 @@ What lies outside the board (the world its sensors feel, where its log goes) com
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
@@ -171,7 +170,6 @@ def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Su
     if chip.uart is not None:
         arguments.append(board.to_board[chip.uart])
     try:
-        inspect.signature(model).bind(*arguments, **chip.parameters)
         placed = model(*arguments, **chip.parameters)
     except (TypeError, ValueError) as error:
         raise DescriptionError(

@@ -1,57 +1,87 @@
-"""The engine: the modules of `hal.emulated` through which every sample goes, as machine code where built.
+"""The engine: the modules through which every sample goes, as machine code where somebody has built it.
 
-Time, processor, interrupt lines, pins and SPI take most of what an emulated tick costs. They are ordinary
-Python and run as such; `python -m hal.engine_build` also translates them by mypyc, with the same results bit
-for bit. What was built lies in the Python environment, in a folder named by a hash of the sources and the
-interpreter: a changed source never hides behind old machine code, it is interpreted until it is built anew.
+Time, processor, interrupt lines, pins, wires and the busiest chip models take most of what an emulated tick
+costs. They are ordinary Python and run as such; `python -m hal.engine_build` also translates them by mypyc,
+with the same results bit for bit. What was built lies in the Python environment, in a folder named by a hash
+of the sources and the interpreter: a changed source never hides behind old machine code, the whole engine is
+interpreted until it is built anew.
 
 `NAVTWIN_ENGINE=interpreted` takes the Python sources in any case, for debuggers and for patches of classes.
 """
 
 import hashlib
+import importlib.abc
 import importlib.machinery
 import importlib.util
 import os
 import sys
 import sysconfig
+from collections.abc import Sequence
 from pathlib import Path
+from types import ModuleType
 
-PACKAGE = "hal.emulated"
-MODULES = ("virtual_time", "interrupt_line", "cpu", "pins", "spi", "timers")
-"""Of PACKAGE, to be translated together."""
+MODULES = (
+    "hal.emulated.virtual_time",
+    "hal.emulated.interrupt_line",
+    "hal.emulated.cpu",
+    "hal.emulated.pins",
+    "hal.emulated.spi",
+    "hal.emulated.timers",
+    "hal.emulated.alarm",
+    "hal.emulated.uart_receiver",
+    "hal.emulated.uart_wire",
+    "hal.emulated.uart",
+    "boards.chips.bmi160.bus_side",
+    "boards.chips.bmi160.chip",
+)
+"""Translated together."""
 LIBRARY = "navtwin_engine__mypyc"
 """The one shared library behind all of them."""
 CHOICE = "NAVTWIN_ENGINE"
 
-_SOURCES = Path(__file__).resolve().parent / "emulated"
+_ROOT = Path(__file__).resolve().parents[1]
 
 
 def sources() -> list[Path]:
     """The files that the engine consists of."""
-    return [_SOURCES / f"{name}.py" for name in MODULES]
+    return [_ROOT.joinpath(*name.split(".")).with_suffix(".py") for name in MODULES]
 
 
 def folder() -> Path:
     """Where the engine lies for the present sources and this interpreter, if anybody has built it."""
     digest = hashlib.sha256(f"{sys.version} {sysconfig.get_config_var('SOABI')}".encode())
-    for path in sources():
-        digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
+    for name, path in zip(MODULES, sources(), strict=True):
+        digest.update(name.encode() + b"\0" + path.read_bytes() + b"\0")
     return Path(sys.prefix) / "lib" / "navtwin-engine" / digest.hexdigest()[:16]
 
 
-def attach(search_path: list[str]) -> None:
-    """Put machine code before the sources on the search path of PACKAGE, if there is some for them."""
-    if os.environ.get(CHOICE, "") == "interpreted":
+class MachineCode(importlib.abc.MetaPathFinder):
+    """Finds the engine's modules in `folder`, where `engine_build` has put them."""
+
+    def __init__(self, built: Path) -> None:
+        self._built = built
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> importlib.machinery.ModuleSpec | None:
+        """Answer imports (importlib's protocol)."""
+        if fullname not in MODULES and fullname != LIBRARY:
+            return None
+        stem = self._built.joinpath(*fullname.split("."))
+        return importlib.util.spec_from_file_location(fullname, f"{stem}{_suffix()}")
+
+
+def _suffix() -> str:
+    return importlib.machinery.EXTENSION_SUFFIXES[0]
+
+
+def use() -> None:
+    """From here on the engine's modules are imported as machine code, if there is some for their sources."""
+    if os.environ.get(CHOICE, "") == "interpreted" or any(type(f) is MachineCode for f in sys.meta_path):
         return
     built = folder()
-    library = built / (LIBRARY + importlib.machinery.EXTENSION_SUFFIXES[0])
-    if not library.exists():
-        return
-    spec = importlib.util.spec_from_file_location(LIBRARY, library)
-    if spec is None or spec.loader is None:
-        return
-    sys.modules[LIBRARY] = importlib.util.module_from_spec(spec)
-    search_path.insert(0, str(built.joinpath(*PACKAGE.split("."))))
+    if (built / (LIBRARY + _suffix())).exists():
+        sys.meta_path.insert(0, MachineCode(built))
 
 
 def is_compiled() -> bool:

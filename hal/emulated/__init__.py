@@ -2,4 +2,4 @@
 
 from hal import engine
 
-engine.attach(__path__)
+engine.use()

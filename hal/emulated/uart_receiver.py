@@ -24,6 +24,18 @@ class UartPeer(Protocol):
         ...
 
 
+class LineListener(Protocol):
+    """Whoever hears of what is put on a line: receivers and tapes."""
+
+    def announce(self, sent: SentBytes) -> None:
+        """These bytes will be on the line, behind all that were announced before."""
+        ...
+
+    def forget(self, begin_from: int) -> None:
+        """Bytes whose start bit lies at `begin_from` or later will not come after all."""
+        ...
+
+
 class LineReceiver:
     """Turns what is announced on a line into arrivals.
 

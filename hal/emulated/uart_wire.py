@@ -12,7 +12,7 @@ from typing import Protocol
 
 from hal.emulated.alarm import Alarm
 from hal.emulated.uart_bytes import NO_STOP_BIT, NOT_TAKEN, BrokenFrames, MissedBytes, SentBytes
-from hal.emulated.uart_receiver import LateReceiver, LineReceiver, PeerReceiver, UartPeer
+from hal.emulated.uart_receiver import LateReceiver, LineListener, LineReceiver, PeerReceiver, UartPeer
 from hal.emulated.virtual_time import FAR, VirtualTime
 
 
@@ -48,7 +48,7 @@ class UartWire:
         self.form: type[SentBytes] = SentBytes
         """How it frames its bytes."""
         self.bytes_sent = 0
-        self._receivers: list[LineReceiver] = []
+        self._receivers: list[LineListener] = []
         self._followers: list[LineReceiver] = []
         self._queue: deque[SentBytes] = deque()
         self._end = 0
@@ -158,7 +158,7 @@ class UartWire:
         self.attach(receiver)
         return receiver
 
-    def attach(self, receiver: LineReceiver) -> None:
+    def attach(self, receiver: LineListener) -> None:
         """Connect a receiver; it hears what is sent from now on."""
         self._receivers.append(receiver)
 

@@ -14,7 +14,7 @@ from boards.assembly import AssembledBoard
 from hal.emulated.can_bus import EmulatedCanBus
 from hal.emulated.i2c import I2cObserver
 from hal.emulated.uart_bytes import SentBytes
-from hal.emulated.uart_receiver import LateReceiver, LineReceiver
+from hal.emulated.uart_receiver import LateReceiver
 from hal.emulated.uart_wire import UartWire
 from host.capture.blocks import can_records
 from host.capture.writer import (
@@ -73,11 +73,11 @@ class WireRecords(Protocol):
         ...
 
 
-class LineTape(LineReceiver):
+class LineTape:
     """Tells a capture all that is put on a line, with its exact instants."""
 
     def __init__(self, wire: UartWire, record: LineRecorder) -> None:
-        super().__init__(wire.time, None)
+        self._time = wire.time
         self._record = record
         wire.attach(self)
 

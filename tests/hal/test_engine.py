@@ -10,7 +10,7 @@ import pytest
 
 from hal import engine, engine_build
 
-EMULATED = Path(engine.__file__).parent / "emulated"
+ROOT = Path(engine.__file__).parents[1]
 
 
 def _origin_of_the_processor(**environment: str) -> str:
@@ -18,7 +18,7 @@ def _origin_of_the_processor(**environment: str) -> str:
     variables = {key: value for key, value in os.environ.items() if key != engine.CHOICE}
     done = subprocess.run(
         [sys.executable, "-c", program],
-        env={**variables, **environment, "PYTHONPATH": str(EMULATED.parents[1])},
+        env={**variables, **environment, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
         timeout=60,
@@ -34,15 +34,18 @@ def test_what_is_built_is_taken() -> None:
 
 
 def test_sources_are_taken_where_that_is_chosen() -> None:
-    assert _origin_of_the_processor(**{engine.CHOICE: "interpreted"}) == str(EMULATED / "cpu.py")
+    origin = _origin_of_the_processor(**{engine.CHOICE: "interpreted"})
+    assert origin == str(ROOT / "hal" / "emulated" / "cpu.py")
 
 
 def test_a_changed_source_does_not_hide_behind_old_machine_code(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    copy = tmp_path / "emulated"
-    shutil.copytree(EMULATED, copy)
-    monkeypatch.setattr(engine, "_SOURCES", copy)
+    originals = engine.sources()
+    monkeypatch.setattr(engine, "_ROOT", tmp_path)
+    for original, copy in zip(originals, engine.sources(), strict=True):
+        copy.parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy(original, copy)
     before = engine.folder()
     assert before == engine.folder()
     for path in engine.sources():
@@ -62,7 +65,7 @@ def test_without_a_compiler_nothing_is_left_and_the_message_names_the_package(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
-    monkeypatch.setattr(engine, "MODULES", ("virtual_time",))
+    monkeypatch.setattr(engine, "MODULES", ("hal.emulated.virtual_time",))
     for variable in ("CC", "LDSHARED"):
         monkeypatch.setenv(variable, "/no/such/compiler")
     with pytest.raises(engine_build.NotPossibleError, match="apt install gcc python3-dev"):

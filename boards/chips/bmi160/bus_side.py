@@ -8,6 +8,7 @@ bit 7 = read, bits 6 … 0 the register, which then counts up.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from typing import ClassVar
 
 from boards.chips.bmi160.core import Core
 from boards.chips.bmi160.i2c_face import I2cFace
@@ -36,7 +37,7 @@ _UNDRIVEN = 0xFF
 class BusSide(ABC):
     """The part of the chip that a bus and a supply see; pins and events are `Bmi160`'s."""
 
-    feels = "imu"
+    feels: ClassVar[str] = "imu"
     """The world that it asks."""
     measures = ("gyro", "accel", "temperature")
     """Of what the world tells."""
