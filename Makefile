@@ -62,7 +62,7 @@ pil:  ## the same kernels on an emulated STM32F405, compared bit by bit; says wh
 		command -v $$tool > /dev/null || printf ' %s' $$tool; done); \
 	if [ -n "$$missing" ]; then \
 		echo "make pil: SKIPPED, not installed:$$missing; on Debian and Ubuntu: apt install $(PIL_PACKAGES)"; \
-	else $(MAKE) --no-print-directory -j 2 pil-full-rate pil-thesis pil-float32 pil-fixed pil-alone pil-tests; fi
+	else $(MAKE) --no-print-directory -j 2 pil-tests pil-full-rate pil-thesis pil-float32 pil-fixed pil-alone; fi
 
 pil-full-rate: setup
 	$(BIN)/navtwin pil car_mems --profile full-rate --scenario static --steps $(STEPS) -q

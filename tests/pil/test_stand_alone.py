@@ -12,7 +12,7 @@ from host.pil.stand_alone_run import run_stand_alone
 from host.record.errors import UserError
 from host.record.result import RunRequest
 
-DRIVE = ("duration_s=70",)
+DRIVE = ("duration_s=35",)
 
 
 def test_the_table_of_a_loop_holds_the_configured_state():
@@ -56,9 +56,9 @@ def test_solutions_and_memory_are_those_of_the_twin_though_bytes_are_lost(monkey
 
     monkeypatch.setattr(SerialLink, "write", losing)
     result = run_stand_alone(RunRequest("car_mems", "town-open", overrides=DRIVE), None, lambda _: None)
-    assert lost[0] > 20
+    assert lost[0] > 10
     assert result.inputs_repeated > lost[0]
-    assert result.inputs_taken == result.inputs > 6000
+    assert result.inputs_taken == result.inputs > 3000
     assert result.is_equal
-    assert result.solutions_equal > 600
-    assert result.copies_equal >= 7
+    assert result.solutions_equal > 200
+    assert result.copies_equal >= 1
