@@ -15,6 +15,8 @@ from pathlib import Path
 from hal import engine
 
 PACKAGE_ROOT = Path(engine.__file__).resolve().parents[1]
+BUILDS_KEPT = 4
+"""Beside the new one: branches that take turns in one environment, 2 MB each."""
 
 
 class NotPossibleError(Exception):
@@ -69,10 +71,10 @@ def _compile(folder: Path) -> None:
 
 
 def _drop_older(parent: Path, but: Path) -> None:
-    """What was built for other sources in this environment; a process that has it open keeps it."""
-    for folder in parent.iterdir():
-        if folder != but:
-            shutil.rmtree(folder, ignore_errors=True)
+    """All but the last builds of this environment; a process that has a dropped one open keeps it."""
+    built = sorted(parent.iterdir(), key=lambda folder: folder.stat().st_mtime, reverse=True)
+    for folder in [folder for folder in built if folder != but][BUILDS_KEPT:]:
+        shutil.rmtree(folder, ignore_errors=True)
 
 
 def main() -> None:
