@@ -24,6 +24,7 @@ def drive(
     turned: int = 0,
     north_nanodeg: int = 0,
     spoil: Callable[[Federation], None] = lambda federation: None,
+    rate_jump: float = 0.0,
 ) -> Federation:
     """60 s; from 20 s on the compass is off by `turned` tenths and GPS by `north_nanodeg`; `spoil` strikes at
     20 s; all is silent within `silent`."""
@@ -36,7 +37,7 @@ def drive(
         if silent[0] < second <= silent[1]:
             continue
         for f, i in (federation.compass, federation.gps, federation.master):
-            imu_step(f, i, t_ns, PERIOD, *sample)
+            imu_step(f, i, t_ns, PERIOD, sample[0], sample[1] + rate_jump * (second > 20.0), *sample[2:])
         wrong = second > 20.0
         if (k + 1) % 20 == 0:
             heading, pitch, roll = FEED.compass[(k + 1) // 20 - 1].tolist()
@@ -104,6 +105,13 @@ def test_a_sensor_that_stays_where_it_jumped_to_is_believed_in_the_end(reset: st
     assert compass.n[gl.ISOLATIONS + gl.COMPASS] >= 1
     assert compass.n[gl.REOPENED + gl.COMPASS] == 1
     assert errors(compass)[2] == pytest.approx(np.radians(30.0), abs=np.radians(3.0))
+
+
+@pytest.mark.parametrize("reset", gl.RESET_NAMES)
+def test_a_rate_that_jumps_by_6_degrees_per_second_is_found(reset: str) -> None:
+    federation = drive(reset, rate_jump=0.1)
+    assert_well(federation)
+    assert federation.master[0][at.GYRO_BIAS + 1] == pytest.approx(0.1, abs=0.02)
 
 
 def test_the_drive_is_where_chapter_5_is() -> None:

@@ -1,4 +1,4 @@
-"""The filters' covariance against a plain Kalman filter in float64, with matrices, on the same measurements."""
+"""The filters' covariance against a plain Kalman filter in float64, measurement by measurement."""
 
 import math
 

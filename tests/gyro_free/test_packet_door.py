@@ -124,3 +124,30 @@ def test_a_missing_chip_is_no_sample_and_the_past_is_no_packet() -> None:
     assert door.take(packet_words(feed, 10, accelerations), FROM_REGISTERS) == 0
     assert all(np.array_equal(a, b) for a, b in zip(state, federation.all, strict=True))
     assert np.all(np.isfinite(federation.master[0][:9]))
+
+
+@pytest.mark.parametrize("told", [True, False])
+def test_an_acquisition_that_begins_anew_is_gone_on_with(told: bool) -> None:
+    """Its clock starts at 0 again after 0.8 s of silence, 20 s into the drive."""
+    feed = chapter5(30, 5)
+    accelerations = accelerometer_words(feed, 5, np.zeros(9))
+    config = adxl345_filters(GyroFreeConfig())
+    federation = new_federation(config)
+    begin(federation, config, feed.start)
+    door = PacketDoor(federation)
+    for sample in range(30 * 200):
+        if 4000 <= sample < 4160:
+            continue
+        words = packet_words(feed, sample, accelerations)
+        if sample >= 4160:
+            put_number(words, pk.TIME, (sample - 4159) * 5000, 3)
+        done = door.take(words, FROM_REGISTERS, sample * 5_000_000 if told else None)
+        assert done or 4160 <= sample < 4400
+    assert federation.n[gl.RESTARTS] == 1
+    assert not federation.n[gl.STATUS : gl.STATUS + 2].any()
+    f, i = federation.master
+    if told:
+        assert i[at.TIME] == pytest.approx(30_000_000_000, abs=10_000_000)
+    north = (math.degrees(i[at.LATITUDE] * 2.0**-40) - math.degrees(feed.truth[-1, 0])) * 111e3
+    assert abs(north) < 20.0
+    assert math.hypot(f[at.VELOCITY], f[at.VELOCITY + 1]) == pytest.approx(SPEED, abs=1.5)

@@ -61,6 +61,7 @@ def finish_alignment(g, n, sums, angles):
         origin = 6 + (k if k < 3 else k - 3)
         g[at.OFFSET + k] += sums[MEANS + k] - sums[MEANS + origin]
     for k in range(THREE):
+        g[at.METHOD_RATE + k] = ZERO
         g[at.INTEGRAL + k] = ZERO
         g[at.INTEGRAL_REST + k] = ZERO
         g[at.FUSED + k] = ZERO

@@ -137,7 +137,11 @@ LIMIT_REFUSED = 42
 """In a row, of compass and GPS: then the global state may be the wrong one."""
 REOPENED = 44
 """How often it was taken for that, each of the two."""
-N_SIZE = 46
+TICK_OFFSET = 46
+"""ns that packets' times are behind; not 0 once the acquisition began anew."""
+RESTARTS = 47
+"""How often it did."""
+N_SIZE = 48
 
 
 INTEGRATION = 0

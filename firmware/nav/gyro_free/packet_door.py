@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.drivers import gnss_epoch as gnss
+from firmware.nav.gyro_free import layout as gl
 from firmware.nav.gyro_free import packet as pk
 from firmware.nav.gyro_free.filters import Federation
 from firmware.nav.gyro_free.packet_step import (
@@ -26,6 +27,8 @@ COMPASS_BELIEVED = 2
 GPS_BELIEVED = 4
 FUSED = 8
 NS_PER_AGE = 100_000
+RESTARTED_NS = 1_000_000_000
+UNKNOWN_GAP_NS = 500_000_000
 
 
 class PacketDoor:
@@ -35,6 +38,7 @@ class PacketDoor:
         self.epoch = np.zeros(gnss.RECORD_SIZE, np.int64)
         """The GPS part of the last packet that had one."""
         self._federation = federation
+        self._arrived_ns: int | None = None
         self._all = federation.all
         self._inertial = entry_point(packet_step)
         self._compass = entry_point(compass_step)
@@ -42,15 +46,28 @@ class PacketDoor:
         self._fuse = entry_point(fusion_step)
         self._read_epoch = entry_point(epoch_of_packet)
 
-    def take(self, words: NDArray[np.int64], felt: NDArray[np.float32]) -> int:
-        """Bits of what was done: 1 sample used, 2 compass believed, 4 GPS believed, 8 fused."""
+    def take(self, words: NDArray[np.int64], felt: NDArray[np.float32], arrived_ns: int | None = None) -> int:
+        """Bits of what was done: 1 sample used, 2 compass believed, 4 GPS believed, 8 fused.
+
+        `arrived_ns`: when the packet came, by any clock that goes on while the acquisition is reset. A packet
+        whose time lies more than a second back is the first of an acquisition that began anew; its time is
+        counted from there, by that clock, or as if half a second had been lost.
+        """
         federation = self._federation
         g, n = federation.g, federation.n
+        t = _tick_ns(words) + int(n[gl.TICK_OFFSET])
+        if t < int(n[gl.TICK]) - RESTARTED_NS:
+            lost = UNKNOWN_GAP_NS
+            if arrived_ns is not None and self._arrived_ns is not None:
+                lost = max(arrived_ns - self._arrived_ns, int(n[gl.TICK_NS]))
+            n[gl.TICK_OFFSET] += int(n[gl.TICK]) + lost - t
+            n[gl.RESTARTS] += 1
+            t = int(n[gl.TICK]) + lost
+        self._arrived_ns = arrived_ns
         due = self._inertial(g, n, words, felt, *self._all)
         done: int = due & USED
         if due <= USED:
             return done
-        t = ((int(words[pk.TIME]) << 32) | (int(words[pk.TIME + 1]) << 16) | int(words[pk.TIME + 2])) * 1000
         if due & COMPASS_DUE:
             heading, pitch, roll = (int(word) for word in words[pk.HEADING : pk.ROLL + 1].astype(np.int16))
             valid = t - int(words[pk.COMPASS_AGE]) * NS_PER_AGE
@@ -61,3 +78,8 @@ class PacketDoor:
         if due & FUSION_DUE:
             done |= FUSED * self._fuse(g, n, *self._all)
         return done
+
+
+def _tick_ns(words: NDArray[np.int64]) -> int:
+    high, middle, low = (int(word) for word in words[pk.TIME : pk.TIME + 3])
+    return ((high << 32) | (middle << 16) | low) * 1000

@@ -35,7 +35,7 @@ FUSION_DUE = 8
 def packet_step(g, n, words, felt, f1, i1, f2, i2, fm, im):
     """The sample in the words of a good packet to all filters. Returns 1 when it was used, plus what is due
     now: 2 its compass reading, 4 its GPS epoch, 8 a fusion. 0 for a packet from the past."""
-    t = tick_time(words)
+    t = tick_time(words) + n[gl.TICK_OFFSET]
     before = n[gl.TICK]
     if t <= before:
         return np.int64(0)

@@ -25,6 +25,10 @@ FIVE = np.float32(5.0)
 EIGHT = np.float32(8.0)
 TWELFTH = np.float32(1.0 / 12.0)
 HUGE = np.float32(1.0e6)
+LONGEST_INTERVAL = np.float32(0.05)
+"""s: over a longer one noise of two samples is not integrated, the rate stays."""
+UNKNOWN_SQUARE = np.float32(0.04)
+"""Unknown ω̇ of lost time, (rad/s²)²."""
 THREE = np.int32(3)
 NINE = np.int32(9)
 
@@ -41,9 +45,10 @@ def rate_step(g, n, dt):
         return False
     resolve_rotation(g)
     n[at.SAMPLES] += 1
-    if n[at.HAVE_SAMPLE] == 0:
+    if n[at.HAVE_SAMPLE] == 0 or dt > LONGEST_INTERVAL:
         n[at.HAVE_SAMPLE] = 1
         for k in range(THREE):
+            g[at.FUSED_COVARIANCE + 4 * k] += dt * dt * UNKNOWN_SQUARE
             g[at.ANGULAR_ACCELERATION_BEFORE + k] = g[at.ANGULAR_ACCELERATION + k]
             g[at.PRODUCTS_BEFORE + k] = g[at.PRODUCTS + k]
     else:

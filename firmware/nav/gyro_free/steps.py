@@ -27,6 +27,7 @@ from firmware.nav.gyro_free.federation import (
 from firmware.nav.gyro_free.gps import gps_update
 from firmware.nav.gyro_free.trust import (
     compass_repeats,
+    doubt_inertial,
     is_usable,
     judge_filters,
     note_measurement,
@@ -76,6 +77,7 @@ def fusion_step(g, n, f1, i1, f2, i2, fm, im):
     fused = fuse_filters(g, n, f1, i1, f2, i2, fm, im)
     n[gl.FUSIONS] += 1
     reopen(g, n, fm)
+    doubt_inertial(n, fm)
     recovered = recover_filters(n)
     reset_filters(g, n, f1, i1, f2, i2, fm, im, recovered)
     return fused

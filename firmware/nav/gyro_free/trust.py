@@ -20,6 +20,11 @@ from firmware.numerics.dialect import kernel
 
 ZERO = np.int64(0)
 TWO = np.int32(2)
+DOUBT_POSITION = np.float32(50.0 * 50.0)
+DOUBT_VELOCITY = np.float32(5.0 * 5.0)
+DOUBT_ATTITUDE = np.float32(0.15 * 0.15)
+DOUBT_RATE = np.float32(0.1 * 0.1)
+"""What a second of doubt adds: m², (m/s)², rad², (rad/s)²."""
 THREE = np.int32(3)
 
 
@@ -109,6 +114,19 @@ def reopen(g, n, fm):
         for k in range(THREE):
             add_variance(fm, at.X_POSITION + k, g[gl.NO_INFORMATION])
             add_variance(fm, at.X_VELOCITY + k, g[gl.NO_INFORMATION + 1])
+
+
+@kernel
+def doubt_inertial(n, fm):
+    """Both sensors are contradicted: it is the inertial state that is wrong, and becomes uncertain."""
+    both = n[gl.STATUS] == gl.ISOLATED and n[gl.STATUS + 1] == gl.ISOLATED
+    if not both or (n[gl.ISOLATED_BY] == gl.SILENT and n[gl.ISOLATED_BY + 1] == gl.SILENT):
+        return
+    for k in range(THREE):
+        add_variance(fm, at.X_POSITION + k, DOUBT_POSITION)
+        add_variance(fm, at.X_VELOCITY + k, DOUBT_VELOCITY)
+        add_variance(fm, at.X_ATTITUDE + k, DOUBT_ATTITUDE)
+        add_variance(fm, at.X_GYRO_BIAS + k, DOUBT_RATE)
 
 
 @kernel
