@@ -27,6 +27,7 @@ MODULES = (
     "hal.emulated.pins",
     "hal.emulated.spi",
     "hal.emulated.timers",
+    "hal.emulated.dual_port",
     "hal.emulated.alarm",
     "hal.emulated.uart_receiver",
     "hal.emulated.uart_wire",
