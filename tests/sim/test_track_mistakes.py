@@ -73,6 +73,8 @@ def inverse(folder: Path, name: str, content: bytes, *more: str) -> Result:
             b"$GPGGA,080000.00,4799.0,N,00800.000,E,1,08,1.0,400.0,M,47.0,M,,*61\r\n",
             "line 1: GGA that cannot",
         ),
+        ("a.gpx", b'<?xml version="1.0" encoding="martian"?><gpx/>', "unknown encoding: martian"),
+        ("a.kml", b'<?xml version="1.0" encoding="utf-7"?><kml/>', "is not valid XML: multi-byte encodings"),
         ("a.npz", b"", "is not what navtwin simulate writes"),
         ("a.npz", archive(np.zeros(9, dtype=[*ROW, ("velocity", "f8")])), "into shape (9,3)"),
         (

@@ -95,7 +95,7 @@ def _columns(places: list[Point]) -> tuple[Floats, Floats, Floats]:
 def _parsed(path: Path) -> ElementTree.Element:
     try:
         return ElementTree.parse(path).getroot()
-    except ElementTree.ParseError as error:
+    except (ElementTree.ParseError, LookupError, ValueError) as error:  # the last two: of its encoding
         raise UserError(f"{path}: is not valid XML: {error}") from None
 
 
