@@ -163,8 +163,55 @@ class DualPort(Facts):
         return tuple(self.ends)
 
 
-Interconnect = DualPort
-"""What joins two processors; a second kind makes this a union that `kind` decides."""
+class SpiPackets(Facts):
+    """Packets from one processor's SPI master to the other's SPI slave, by DMA at both ends."""
+
+    kind: Literal["spi-packets"]
+    sender: str = Field(examples=["fpga"])
+    receiver: str = Field(examples=["dsp"])
+    clock_hz: int = Field(ge=1_000, le=100_000_000, examples=[8_750_000])
+    pause_ns: int = Field(default=0, ge=0, le=1_000_000, examples=[100])
+    """Between two words of 16 bits."""
+
+    @model_validator(mode="after")
+    def _joins_two(self) -> SpiPackets:
+        _must_differ(sender=self.sender, receiver=self.receiver)
+        return self
+
+    @property
+    def processors(self) -> tuple[str, ...]:
+        """Those that it joins."""
+        return (self.sender, self.receiver)
+
+
+class I2cCommands(Facts):
+    """An I²C bus of its own between two processors, one of them the slave."""
+
+    kind: Literal["i2c-commands"]
+    master: str = Field(examples=["dsp"])
+    slave: str = Field(examples=["fpga"])
+    clock_hz: int = Field(ge=1_000, le=1_000_000, examples=[100_000])
+    address: int = Field(ge=0x08, le=0x77, examples=[0x2A])
+
+    @model_validator(mode="after")
+    def _joins_two(self) -> I2cCommands:
+        _must_differ(master=self.master, slave=self.slave)
+        return self
+
+    @property
+    def processors(self) -> tuple[str, ...]:
+        """Those that it joins."""
+        return (self.master, self.slave)
+
+
+def _must_differ(**ends: str) -> None:
+    if len(set(ends.values())) < len(ends):
+        told = " and ".join(ends)
+        raise ValueError(f"{told} are both {next(iter(ends.values()))!r}; it joins two processors")
+
+
+Interconnect = Annotated[DualPort | SpiPackets | I2cCommands, Field(discriminator="kind")]
+"""What joins two processors."""
 
 
 class Board(Facts):

@@ -9,7 +9,9 @@ from hal.clock import Clock
 from hal.cpu import Cpu
 from hal.dual_port import DualPortMemory
 from hal.i2c import I2cBus
+from hal.i2c_slave import I2cSlavePort
 from hal.interrupts import InterruptController
+from hal.packet_link import PacketReceiver, PacketSender
 from hal.pins import InputPin, OutputPin
 from hal.spi import SpiDevice
 from hal.storage import LogFile
@@ -61,6 +63,12 @@ class BoardIo:
     logs: Mapping[str, LogFile] = field(default_factory=dict)
     memories: Mapping[str, DualPortMemory] = field(default_factory=dict)
     """This processor's side of each."""
+    packet_senders: Mapping[str, PacketSender] = field(default_factory=dict)
+    packet_receivers: Mapping[str, PacketReceiver] = field(default_factory=dict)
+    command_buses: Mapping[str, I2cBus] = field(default_factory=dict)
+    """I²C buses on which another processor is the slave …"""
+    i2c_slaves: Mapping[str, I2cSlavePort] = field(default_factory=dict)
+    """… and the slaves there."""
 
     def __post_init__(self) -> None:
         for kind in fields(self):
