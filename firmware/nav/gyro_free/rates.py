@@ -46,9 +46,10 @@ def rate_step(g, n, dt):
     resolve_rotation(g)
     n[at.SAMPLES] += 1
     if n[at.HAVE_SAMPLE] == 0 or dt > LONGEST_INTERVAL:
+        unknown = dt * dt * UNKNOWN_SQUARE if n[at.HAVE_SAMPLE] != 0 else ZERO
         n[at.HAVE_SAMPLE] = 1
         for k in range(THREE):
-            g[at.FUSED_COVARIANCE + 4 * k] += dt * dt * UNKNOWN_SQUARE
+            g[at.FUSED_COVARIANCE + 4 * k] += unknown
             g[at.ANGULAR_ACCELERATION_BEFORE + k] = g[at.ANGULAR_ACCELERATION + k]
             g[at.PRODUCTS_BEFORE + k] = g[at.PRODUCTS + k]
     else:
