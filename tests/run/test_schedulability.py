@@ -11,7 +11,7 @@ def test_load_is_told_for_every_task_and_no_deadline_is_missed() -> None:
     (cpu,) = drive(CUT).result.cpu
     tasks = {task.name: task for task in cpu.tasks}
     assert cpu.deadline_misses == cpu.overruns == 0
-    assert 0.005 < cpu.load < 0.1
+    assert 100 * 3_890 / 168e6 < cpu.load < 0.1  # the steps alone
     assert tasks["navigation"].activations > 3900
     assert tasks["navigation"].worst_response_us < tasks["navigation"].deadline_us
 
