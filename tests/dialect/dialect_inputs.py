@@ -177,7 +177,8 @@ def for_increments(rng: np.random.Generator) -> tuple[Any, ...]:
     limit = 2**31 - 1
     counts = np.clip(np.round(units), -limit, limit).astype(np.int64)
     status = int(rng.choice([0, 0, 0, 0, 1, 2, 3, 4, 8]))
-    return now.f, now.i, np.array([7, *counts, status, now.t_ns, 0], np.int64)
+    missed = int(rng.integers(0, 4))
+    return now.f, now.i, np.array([7, *counts, status, now.t_ns, missed], np.int64)
 
 
 def for_sample_time(rng: np.random.Generator) -> tuple[Any, ...]:

@@ -11,6 +11,8 @@ RAD_PER_S = np.float32(2.0e-7)
 METRE_PER_S2 = np.float32(2.0e-6)
 """Of a unit of Δv, 10⁻⁸ m/s in 5 ms."""
 PERIOD = np.float32(0.005)
+MOST_PERIODS = np.int64(2)
+"""One sample missing by the counter is taken to have been like the next; more are dead time to navigation."""
 SPOILT = np.float32(1.0e6)
 """In place of a mean that the unit calls clipped: beyond every range."""
 
@@ -40,5 +42,6 @@ def sample_step(f, i, sample):
         wx = SPOILT
     if status & fr.ACCEL_RANGE != 0:
         ax = SPOILT
-    imu_step(f, i, sample[fr.END_NS], PERIOD, wx, wy, wz, ax, ay, az)
+    periods = np.float32(np.int32(min(sample[fr.MISSED] + 1, MOST_PERIODS)))
+    imu_step(f, i, sample[fr.END_NS], PERIOD * periods, wx, wy, wz, ax, ay, az)
     return np.int64(1)
