@@ -69,7 +69,6 @@ class EmulatedCpu:
         self._owner: greenlet | None = None
         self._greenlet: greenlet | None = None
         self._reset_cause = ""
-        self._durations: dict[int, int] = {}
         self._clock_rate = SECOND + crystal_error_ppb
         """ns that the processor's clock shows in a second."""
         self._entry_ns = self._duration(interrupt_entry_cycles)
@@ -99,9 +98,7 @@ class EmulatedCpu:
 
     def _duration(self, cycles: int) -> int:
         """ns that `cycles` take, rounded up to whole ns."""
-        duration = -(-cycles * SECOND // self.frequency_hz)
-        self._durations[cycles] = duration
-        return duration
+        return -(-cycles * SECOND // self.frequency_hz)
 
     @property
     def stack_worst_bytes(self) -> int:
@@ -177,10 +174,7 @@ class EmulatedCpu:
     def spend(self, cycles: int) -> None:
         """Let the time of `cycles` pass, rounded up to ns; being interrupted makes it longer."""
         time = self.time
-        try:
-            end = time.now + self._durations[cycles]
-        except KeyError:
-            end = time.now + self._duration(cycles)
+        end = time.now - (-cycles * SECOND // self.frequency_hz)
         if end < time.limit:
             time.now = end
         else:
@@ -235,7 +229,7 @@ class EmulatedCpu:
             handler = line.handler
             handler()
             took = time.now - start
-            if took == line.usual_ns and line.pended_at is start and not line.nested_ns:
+            if took == line.usual_ns and line.pended_at == start and not line.nested_ns:
                 line.repeats += 1
             else:
                 line.account(start - line.pended_at, took)
@@ -290,7 +284,7 @@ class EmulatedCpu:
     def serve(self) -> None:
         """Run the handlers of all pending lines that are more urgent than the running task.
 
-        An activation that began at the instant of its request (one object then) and went like the one
+        An activation that began at the instant of its request and went like the one
         before, undisturbed, is only counted.
         """
         time = self.time
@@ -312,7 +306,7 @@ class EmulatedCpu:
             handler = line.handler  # by a name of its own: a call of what a slot holds is slow
             handler()
             took = time.now - start
-            if took == line.usual_ns and line.pended_at is start and not line.nested_ns:
+            if took == line.usual_ns and line.pended_at == start and not line.nested_ns:
                 line.repeats += 1
             else:
                 line.account(start - line.pended_at, took)

@@ -123,7 +123,7 @@ class EmulatedLine:
         if cpu.parked:
             if bit & cpu.running.open:
                 cpu.rouse()
-        elif time.next_due is not now and time.next_due > now:  # the same object: an event of now is at work
+        elif time.next_due > now:
             time.look_now()
 
     def pend(self) -> None:
