@@ -31,6 +31,18 @@ def fault(kind: str) -> str:
             "to 9,000 m/s; at most 3,000",
         ),
         (
+            segments('kind = "reach-speed", duration_s = 1e-3, to_mps = 900.0'),
+            "segment[1]: changes the speed by 1,",
+        ),
+        (
+            segments('kind = "turn", duration_s = 1e-3, angle_deg = 36_000.0'),
+            "segment[1]: changes the yaw by 48,000,000 °/s",
+        ),
+        (
+            segments('kind = "rest", duration_s = 1e-4, pitch_to_deg = 80.0'),
+            "segment[1]: changes the pitch by 1,500,000 °/s",
+        ),
+        (
             segments(
                 'kind = "cruise", duration_s = 150.0',
                 place="[initial]\nspeed_mps = 900.0\n[place]\nlatitude_deg = 89.0\nlongitude_deg = 0.0\n",

@@ -18,8 +18,12 @@ CHANNELS = ("speed", "yaw", "pitch", "roll")
 STANDSTILL_MPS = 1e-6
 STEEPEST = 0.5 * math.pi + 1e-9
 FASTEST_MPS = 3000.0
+STRONGEST_MPS2 = 200_000.0
+"""Along the path: what a shell bears in its barrel."""
+QUICKEST_DPS = 100_000.0
+"""Of each angle: a shell's spin."""
 LOOKS = 32
-"""Instants of each piece at which the speed is looked at."""
+"""Instants of each piece at which a value is looked at."""
 
 
 @dataclass(frozen=True)
@@ -123,11 +127,11 @@ def _append_segment(
 ) -> MotionState:
     rates = segment.rates(state.speed, blend_s)
     duration = segment.duration_s
-    before = len(channels["speed"].pieces)
+    before = {name: len(channels[name].pieces) for name in CHANNELS}
     speed = channels["speed"].integrate(start_ns, rates.acceleration, state.speed, duration)
     if state.speed >= 0.0 and getattr(segment, "forwards_only", False):
-        _refuse_backwards(channels["speed"].pieces[before:])
-    _refuse_too_fast(channels["speed"].pieces[before:])
+        _refuse_backwards(channels["speed"].pieces[before["speed"] :])
+    _refuse_too_fast(channels["speed"].pieces[before["speed"] :])
     after = MotionState(
         speed=speed if rates.end_speed is None else rates.end_speed,
         yaw=channels["yaw"].integrate(start_ns, rates.turn_rate, state.yaw, duration),
@@ -139,6 +143,8 @@ def _append_segment(
             f"brings the pitch to {math.degrees(after.pitch):.4g}°; what moves keeps within ±90°, for example"
             f" pitch_rate_dps = {math.degrees(math.copysign(1.0, after.pitch) - state.pitch) / duration:.3g}"
         )
+    for name in CHANNELS:
+        _refuse_too_sudden(name, channels[name].pieces[before[name] :], duration)
     return after
 
 
@@ -159,6 +165,18 @@ def _refuse_too_fast(pieces: list[Piece]) -> None:
         raise ValueError(
             f"brings the speed to {largest:,.0f} m/s; at most {FASTEST_MPS:,.0f}, for example by"
             ' { kind = "reach-speed", duration_s = 60.0, to_mps = 250.0 }'
+        )
+
+
+def _refuse_too_sudden(name: str, pieces: list[Piece], duration_s: float) -> None:
+    """ValueError when the speed or an angle changes faster than anything that flies."""
+    largest = max(map(abs, _looks([piece.derivative() for piece in pieces])))
+    most, unit = (STRONGEST_MPS2, "m/s²") if name == "speed" else (QUICKEST_DPS, "°/s")
+    reached = largest if name == "speed" else math.degrees(largest)
+    if reached > most:
+        raise ValueError(
+            f"changes the {name} by {reached:,.0f} {unit}; at most {most:,.0f}: give it more time than"
+            f" {duration_s:g} s, for example duration_s = 5.0"
         )
 
 
