@@ -1,0 +1,96 @@
+"""Test equipment: rate and specific force of a sensor with errors of a choice, told over SPI.
+
+No chip: a source beside the board's own sensors, for errors that these cannot have. A rising edge at LATCH
+holds the values of that instant; a transaction that begins with 0x52 reads them behind that byte: rate x, y,
+z (rad/s), specific force x, y, z (m/s²), float32, low byte first. Before the first edge, and to other
+requests, the answer is zero.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from boards.chips.world import ImuWorld
+from hal.emulated.pins import Net
+from hal.emulated.virtual_time import VirtualTime
+
+READ = 0x52
+ANSWER = 24
+BANDWIDTH_HZ = 100.0
+USUAL_PERIOD_NS = 5_000_000
+AHEAD = 200
+"""Samples that are asked of the world at once, at the instants where edges are expected."""
+NEAR_NS = 20_000
+"""An edge within this of an expected instant takes the sample made for it."""
+
+
+class _Pins(dict[str, "Net | None"]):
+    def __init__(self, owner: EquivalentFeed) -> None:
+        super().__init__(LATCH=None)
+        self._owner = owner
+
+    def __setitem__(self, pin: str, net: Net | None) -> None:
+        super().__setitem__(pin, net)
+        if net is not None:
+            net.listen_edge(True, self._owner.latch)
+
+
+class EquivalentFeed:
+    """One source."""
+
+    feels = "imu"
+    """The world that it asks."""
+    measures = ("gyro", "accel")
+    """Of what the world tells."""
+
+    def __init__(self, time: VirtualTime, world: ImuWorld) -> None:
+        self.pins: dict[str, Net | None] = _Pins(self)
+        self._time = time
+        self._world = world
+        self._latched_ns = -1
+        self._before_ns = -1
+        self._times: list[int] = []
+        self._rows: list[bytes] = []
+        self._row = -1
+        self._powered = True
+
+    def latch(self) -> None:
+        """A rising edge, now."""
+        self._before_ns, self._latched_ns = self._latched_ns, self._time.now
+
+    def look_anew(self) -> None:
+        """What was asked of the world ahead is forgotten: its defects have changed."""
+        self._rows = []
+
+    def power(self, on: bool) -> None:
+        """Switch it on or off, now."""
+        self._powered = on
+
+    def transaction(self, mosi: bytes | bytearray, _start_ns: int, _end_ns: int) -> bytes:
+        """One chip-select low period; see `hal.emulated.spi.SpiSlave`."""
+        length = len(mosi)
+        if not self._powered or self._latched_ns < 0 or mosi[0] != READ:
+            return bytes(length)
+        return (b"\0" + self._values())[:length].ljust(length, b"\0")
+
+    def _values(self) -> bytes:
+        """Of the edge that came last."""
+        now, rows = self._latched_ns, self._rows
+        for row in (self._row + 1, self._row):
+            if 0 <= row < len(rows) and abs(self._times[row] - now) <= NEAR_NS:
+                self._row = row
+                return rows[row]
+        self._ask(now)
+        self._row = 0
+        return self._rows[0]
+
+    def _ask(self, now: int) -> None:
+        period = now - self._before_ns
+        if self._before_ns < 0 or abs(period - USUAL_PERIOD_NS) > USUAL_PERIOD_NS // 100:
+            period = USUAL_PERIOD_NS
+        times: NDArray[np.int64] = now + period * np.arange(AHEAD, dtype=np.int64)
+        values = self._world.sample(times, BANDWIDTH_HZ)
+        ordered = np.concatenate((values[:, 3:6], values[:, 0:3]), axis=1).astype("<f4")
+        self._times = times.tolist()
+        self._rows = [row.tobytes() for row in ordered]

@@ -1,0 +1,115 @@
+"""Seven ADXL345, each on a controller of its own: their FIFOs drained each tick, and who is missing or stuck.
+
+The chips run on clocks of their own: a tick finds none, one or two new samples in a FIFO. All are read, the
+newest is used; without a new one the one before stands for it, for GRACE_TICKS at most.
+"""
+
+from __future__ import annotations
+
+from firmware.apps.gfsins.accelerations import CHIPS
+from firmware.drivers.adxl345 import ENTRIES_MASK, FIFO_ENTRIES, Adxl345, Adxl345Config, Outcome, Register
+from firmware.drivers.adxl345_ports import READ, SAMPLE_REQUEST, SpiPort
+from firmware.drivers.adxl345_sample import SAMPLE_LENGTH
+from hal.board_io import BoardIo
+
+RATE_HZ = 200
+RANGE_G = 16
+GRACE_TICKS = 4
+"""Ticks without a sample, or samples all alike, from which a chip counts as missing or stuck."""
+STUCK_SAMPLES = 200
+STATUS_REQUEST = bytes((READ | Register.FIFO_STATUS, 0))
+ALL = (1 << CHIPS) - 1
+
+
+class Accelerometers:
+    """The seven chips, A1 … A6 on the arms and the seventh at the origin."""
+
+    def __init__(self, io: BoardIo) -> None:
+        config = Adxl345Config(rate_hz=RATE_HZ, range_g=RANGE_G, fifo="stream")
+        devices = [io.spi[f"accelerometer{k + 1}"] for k in range(CHIPS)]
+        self.drivers = [Adxl345(SpiPort(device), io.cpu, config) for device in devices]
+        self.missing = ALL
+        """Bit k: chip k + 1 gives no samples, or has not been brought up since it gave none."""
+        self.stuck = 0
+        """Bit k: chip k + 1 gives the same again and again."""
+        self.fresh = 0
+        """Bit k: chip k + 1 gave a sample at this tick."""
+        self.raw = bytearray(CHIPS * SAMPLE_LENGTH)
+        """The newest sample of each."""
+        self.counts = [0, 0, 0, 0]
+        """Reads that found none, one, two, more new samples."""
+        self._held = 0
+        """Bit k: chip k + 1 is being brought up, the tick leaves it alone."""
+        self._transactions = [device.transaction for device in devices]
+        self._buffers = [bytearray(SAMPLE_LENGTH) for _ in range(CHIPS)]
+        self._status = bytearray(2)
+        self._silent_ticks = [0] * CHIPS
+        self._last = [b""] * CHIPS
+        self._alike = [0] * CHIPS
+        self._spend = io.cpu.spend
+        self._pop_cycles = io.cpu.cost("fifo_pop")
+
+    @property
+    def faults(self) -> int:
+        """Bit k: chip k + 1 is not to be believed."""
+        return self.missing | self.stuck
+
+    def start(self, chip: int) -> Outcome:
+        """Bring one up, from set-up or background; ticks leave it alone meanwhile."""
+        bit = 1 << chip
+        self._held |= bit
+        outcome = self.drivers[chip].start()
+        self._silent_ticks[chip] = GRACE_TICKS if outcome is not Outcome.OK else 0
+        self._alike[chip] = 0
+        if outcome is Outcome.OK:
+            self.missing &= ~bit
+            self.stuck &= ~bit
+        else:
+            self.missing |= bit
+        self._held &= ~bit
+        return outcome
+
+    def drain(self) -> None:
+        """All FIFOs, at a tick."""
+        status, held, fresh = self._status, self._held, 0
+        counts, buffers = self.counts, self._buffers
+        for chip, transaction in enumerate(self._transactions):
+            if held >> chip & 1:
+                continue
+            status[:] = STATUS_REQUEST
+            transaction(status)
+            entries = status[1] & ENTRIES_MASK
+            if not 0 < entries <= FIFO_ENTRIES:
+                counts[0] += 1
+                self._found_none(chip)
+                continue
+            counts[entries if entries < 3 else 3] += 1
+            buffer = buffers[chip]
+            while entries > 1:
+                entries -= 1
+                buffer[:] = SAMPLE_REQUEST
+                transaction(buffer)
+                self._spend(self._pop_cycles)
+            buffer[:] = SAMPLE_REQUEST
+            transaction(buffer)
+            fresh |= 1 << chip
+            self._silent_ticks[chip] = 0
+            if buffer[1:] == self._last[chip]:
+                self._found_alike(chip)
+            else:
+                self._last[chip] = bytes(buffer[1:])
+                if self._alike[chip]:
+                    self._alike[chip] = 0
+                    self.stuck &= ~(1 << chip)
+        self.fresh = fresh & ~self.missing
+        self.raw[:] = b"".join(buffers)
+
+    def _found_none(self, chip: int) -> None:
+        self._silent_ticks[chip] += 1
+        if self._silent_ticks[chip] >= GRACE_TICKS:
+            self.missing |= 1 << chip
+
+    def _found_alike(self, chip: int) -> None:
+        self._alike[chip] += 1
+        if self._alike[chip] >= STUCK_SAMPLES:
+            self.stuck |= 1 << chip

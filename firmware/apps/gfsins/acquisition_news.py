@@ -1,0 +1,91 @@
+"""What the DSP knows of the acquisition: packets, and once a second its status over I²C."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from firmware.apps.gfsins import commands
+from firmware.apps.gfsins.reception import Reception
+from firmware.drivers.hmc6343 import Outcome as CompassOutcome
+from firmware.drivers.satellite_lists import SatelliteInView
+from firmware.drivers.sentence_setup import SetupPhase
+from hal.board_io import BoardIo
+from hal.errors import BusError
+
+PHASES = tuple(SetupPhase)
+COMPASS_OUTCOMES = tuple(CompassOutcome)
+
+
+class AcquisitionNews:
+    """Implements `Receiver` and `Sensor` of `firmware.apps.gnss_ins.parts`."""
+
+    def __init__(self, io: BoardIo, reception: Reception, latest: Callable[[], list[int]]) -> None:
+        self.epochs = 0
+        self.missing = 0
+        self.stuck = 0
+        self.compass = 0
+        self.answers = True
+        """Whether the FPGA answered when it was asked last."""
+        self.starts = 0
+        self.port_errors = 0
+        self.pulse_dated = False
+        self.unsent = 0
+        self._bus = io.command_buses["commands"]
+        self._reception = reception
+        self._latest = latest
+        self._phase = 0
+
+    def ask(self) -> None:
+        """Read its status; takes 1 ms."""
+        try:
+            data = self._bus.transaction(commands.ADDRESS, b"", commands.STATUS.size)
+        except BusError:
+            self.answers = False
+            return
+        mark, starts, missing, stuck, compass, phase, port_errors, unsent = commands.STATUS.unpack(data)
+        self.answers = mark == commands.MARK
+        if self.answers:
+            self.starts, self.missing, self.stuck, self.compass = starts, missing, stuck, compass
+            self._phase, self.port_errors, self.unsent = phase, port_errors, unsent
+
+    def tell_alignment(self, yaw: float, pitch: float, roll: float) -> None:
+        """The result, in radians."""
+        tenths = (round(angle * 572.9577951308232) for angle in (yaw, pitch, roll))
+        try:
+            self._bus.transaction(commands.ADDRESS, commands.RESULT.pack(commands.ALIGNED, *tenths))
+        except BusError:
+            self.answers = False
+
+    @property
+    def compass_words(self) -> str:
+        """How the compass is."""
+        return COMPASS_OUTCOMES[self.compass % len(COMPASS_OUTCOMES)].value
+
+    @property
+    def latest(self) -> list[int]:
+        """The epoch that came last."""
+        return self._latest()
+
+    @property
+    def reads(self) -> int:
+        """Packets that came."""
+        return self._reception.good
+
+    @property
+    def phase_name(self) -> str:
+        """How far the set-up of the receiver is."""
+        return PHASES[self._phase % len(PHASES)].value
+
+    @property
+    def is_running(self) -> bool:
+        """Whether it is set up."""
+        return PHASES[self._phase % len(PHASES)] is SetupPhase.RUNNING
+
+    def line_errors(self) -> tuple[int, int]:
+        """(packets with a wrong check sum, packets that slipped) so far."""
+        _, no_sync, wrong_kind, wrong_sum = self._reception.bad
+        return wrong_sum, no_sync + wrong_kind
+
+    def satellites(self) -> Sequence[SatelliteInView]:
+        """It is asked for no list."""
+        return ()

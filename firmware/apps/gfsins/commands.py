@@ -1,0 +1,18 @@
+"""What goes over the I²C bus between the processors. The DSP is the master, the FPGA answers at ADDRESS.
+
+write   ALIGNED, then yaw, pitch, roll (signed tenths of a degree, high byte first)
+read    STATUS: mark, starts of the FPGA, chips missing (bits), chips stuck (bits), compass, receiver,
+        errors of the receiver's port, packets not sent since the one before was under way (16 bits)
+"""
+
+from __future__ import annotations
+
+from struct import Struct
+from typing import Final
+
+ADDRESS: Final = 0x2A
+ALIGNED: Final = 0x10
+RESULT: Final = Struct(">B3h")
+STATUS: Final = Struct(">7BH")
+MARK: Final = 0x47
+BYTE: Final = 0xFF

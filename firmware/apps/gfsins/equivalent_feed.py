@@ -1,0 +1,38 @@
+"""Test equipment on the DSP's SPI: rate and specific force at the last tick, with errors of a choice.
+
+The document's chapter 5 gives errors of rate and force that its accelerometers cannot have; they come from
+here in the profile's feed `equivalent`. Request 0x52, then rate x, y, z and force x, y, z as float32, low
+byte first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hal.spi import SpiDevice
+
+LENGTH = 25
+REQUEST = bytes((0x52,)) + bytes(LENGTH - 1)
+
+
+class EquivalentFeed:
+    """Fills what the packet door takes beside a packet."""
+
+    def __init__(self, device: SpiDevice | None) -> None:
+        """None: rate and force are those of the packet."""
+        self.felt: NDArray[np.float32] = np.zeros(7, np.float32)
+        self._device = device
+        self._buffer = bytearray(LENGTH)
+        self._bytes = memoryview(self.felt).cast("B")
+        if device is not None:
+            self.felt[0] = 1.0
+
+    def read(self) -> None:
+        """At each packet."""
+        if self._device is None:
+            return
+        buffer = self._buffer
+        buffer[:] = REQUEST
+        self._device.transaction(buffer)
+        self._bytes[4:] = buffer[1:]

@@ -1,0 +1,100 @@
+"""The navigation task: each good packet into alignment, then into the filters, and what is due behind it."""
+
+from __future__ import annotations
+
+from firmware.apps.gfsins.acquisition_news import AcquisitionNews
+from firmware.apps.gfsins.alignment import Alignment
+from firmware.apps.gfsins.equivalent_feed import EquivalentFeed
+from firmware.apps.gfsins.navigation import Navigation
+from firmware.apps.gfsins.reception import Reception
+from firmware.apps.gfsins.settings import Settings
+from firmware.apps.gnss_ins.output import Output
+from firmware.nav.gyro_free import packet as pk
+from firmware.nav.gyro_free.packet_door import FUSED
+from hal.board_io import BoardIo
+
+SECOND_NS = 1_000_000_000
+
+
+class Flight:
+    """From packets to solutions."""
+
+    def __init__(
+        self,
+        io: BoardIo,
+        settings: Settings,
+        navigation: Navigation,
+        reception: Reception,
+        news: AcquisitionNews,
+        output: Output,
+    ) -> None:
+        self.is_aligned = False
+        self.beginning: tuple[float, float, float] | None = None
+        """Yaw, pitch, roll to be told to the FPGA."""
+        self.oldest_ns = 0
+        """Worst age of a tick when its solution was there."""
+        self.ages_ns = 0
+        """Sum of these ages …"""
+        self.solutions = 0
+        """… and how many there were."""
+        self._navigation = navigation
+        self._reception = reception
+        self._news = news
+        self._output = output
+        self._clock = io.clock
+        self._spend = io.cpu.spend
+        cost = io.cpu.cost
+        self._costs = cost("packet_step"), cost("compass_step"), cost("gps_step"), cost("fusion_step")
+        self._align_cost = cost("gather_rest")
+        equivalent = settings.feed == "equivalent"
+        self._feed = EquivalentFeed(io.spi["equivalent"] if equivalent else None)
+        needed_ns = round(settings.alignment_s * SECOND_NS)
+        self.alignment = Alignment(navigation.federation, needed_ns, not equivalent)
+        self._output_line = io.interrupts.attach("output", output.send)
+        self._epoch_line = io.interrupts.attach("epoch_output", output.send_epoch)
+        self._ticks_per_output = settings.ticks_per_output
+        self._ticks = 0
+
+    def begin(self) -> None:
+        """Take packets from now on."""
+        self._reception.begin(self._take)
+
+    def _take(self) -> None:
+        words = self._reception.words
+        self._navigation.samples_missed = self._reception.lost
+        if not self.is_aligned:
+            self._align()
+            return
+        self._feed.read()
+        done: int = self._navigation.door.take(words, self._feed.felt)
+        flags = int(words[pk.FLAGS])
+        step, compass, gps, fusion = self._costs
+        if flags & pk.HAS_COMPASS:
+            step += compass
+        if flags & pk.HAS_GPS:
+            step += gps
+            self._news.epochs += 1
+            self._epoch_line.pend()
+        if done & FUSED:
+            step += fusion
+        self._spend(step)
+        self._note_age()
+        self._ticks += 1
+        if self._ticks >= self._ticks_per_output:
+            self._ticks = 0
+            self._output_line.pend()
+
+    def _align(self) -> None:
+        reception, navigation = self._reception, self._navigation
+        begun = self.alignment.take(reception.words, reception.tick_ns)
+        self._spend(self._align_cost)
+        if begun is not None:
+            navigation.start(begun)
+            self.beginning = begun.angles
+            self.is_aligned = True
+
+    def _note_age(self) -> None:
+        age_ns = self._clock.now_ns() - self._reception.tick_ns
+        self.ages_ns += age_ns
+        self.solutions += 1
+        self.oldest_ns = max(self.oldest_ns, age_ns)

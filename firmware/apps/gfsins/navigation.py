@@ -1,0 +1,86 @@
+"""The federation as the DSP holds it: configuration for a profile, and the master as the board's solution."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from firmware.apps.gfsins.settings import Settings
+from firmware.apps.gnss_ins.navigation import NavigationState, StateKernels
+from firmware.nav.config import NavConfig
+from firmware.nav.gyro_free.config import GyroFreeConfig
+from firmware.nav.gyro_free.filters import (
+    DEG,
+    Beginning,
+    FilterConfig,
+    adxl345_filters,
+    begin,
+    new_federation,
+)
+from firmware.nav.gyro_free.packet_door import PacketDoor
+
+POSITION_NOISE, HEIGHT_NOISE, VELOCITY_NOISE = 10.0, 10.0, 0.1
+
+
+class Navigation(NavigationState):
+    """Filters side by side; `f` and `i` are the master's."""
+
+    def __init__(self, kernels: StateKernels, config: FilterConfig) -> None:
+        self.config = config
+        self.federation = new_federation(config)
+        f, i = self.federation.master
+        super().__init__(kernels, NavConfig(), f.size, i.size)
+        self.f, self.i = f, i
+        self.door = PacketDoor(self.federation)
+        self.samples_missed = 0
+        self.samples_repeated = 0
+
+    def start(self, start: Beginning) -> None:
+        """Navigate from there."""
+        begin(self.federation, self.config, start)
+
+    def memory(self) -> bytes:
+        """All filters as they lie in memory."""
+        federation = self.federation
+        arrays = (federation.g, federation.n, *federation.all)
+        return b"".join(array.tobytes() for array in arrays)
+
+
+def filter_config(settings: Settings, installation: Mapping[str, Any]) -> FilterConfig:
+    """Noise and reset mode for a profile, the arm's length from where the chips sit. Raises ValueError."""
+    sensor = GyroFreeConfig(
+        arm_length=arm_length(installation),
+        method=settings.method,
+        declination=math.radians(settings.declination_deg),
+    )
+    begun = {
+        "sigma_position": 15.0,
+        "sigma_velocity": 0.5,
+        "sigma_tilt": 0.5 * DEG,
+        "sigma_yaw": 1.5 * DEG,
+        "position_noise": (POSITION_NOISE, HEIGHT_NOISE),
+        "velocity_noise": VELOCITY_NOISE,
+    }
+    if settings.feed == "adxl345":
+        return adxl345_filters(sensor, settings.reset, **begun)
+    return FilterConfig(reset=settings.reset, sensor=sensor, **begun)
+
+
+def arm_length(installation: Mapping[str, Any]) -> float:
+    """That of the six arms, which the method needs to be alike. Raises ValueError."""
+    wanted = ((0, 1, 0), (0, 0, 1), (1, 0, 0), (0, 0, -1), (-1, 0, 0), (0, -1, 0))
+    origin = installation["accelerometer7"]["lever_arm_m"]
+    length = 0.0
+    for k, direction in enumerate(wanted):
+        place = installation[f"accelerometer{k + 1}"]["lever_arm_m"]
+        arm = [there - here for there, here in zip(place, origin, strict=True)]
+        along = sum(a * d for a, d in zip(arm, direction, strict=True))
+        length = length or along
+        off = [a - length * d for a, d in zip(arm, direction, strict=True)]
+        if length <= 0.0 or max(map(abs, off)) > 1e-6:
+            raise ValueError(
+                f"accelerometer{k + 1} sits at {list(place)}; it belongs at one arm's length along"
+                f" {list(direction)} from accelerometer7, for example {[0.25 * d for d in direction]}"
+            )
+    return length

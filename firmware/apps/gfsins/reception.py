@@ -1,0 +1,121 @@
+"""The DSP's end of the packets: slips and wrong bits are seen, gaps counted, times put on the DSP's clock.
+
+After a wrong packet reception begins anew with the next one that is sent: a word lost costs two packets at
+most. The FPGA's sync line dates each tick; without it a packet's arrival does.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from firmware.nav.gyro_free import packet as pk
+from firmware.numerics.dialect import entry_point
+from hal.board_io import BoardIo
+
+PACKETS_IN_RING = 2
+RING = PACKETS_IN_RING * pk.BYTES
+TICK_TO_PACKET_NS = 560_000
+"""From a tick to the interrupt of its packet."""
+LONGEST_CHAIN_NS = 4_000_000
+"""An edge of the sync line longer ago is not that of the packet that came."""
+WORD_MASK = 0xFFFF
+
+
+class Reception:
+    """Owns the receiver. `take` is called with each good packet's words in `words`, their time on the DSP's
+    clock, in the task `navigation`."""
+
+    def __init__(self, io: BoardIo) -> None:
+        self.words = np.zeros(pk.WORDS, np.int64)
+        self.good = 0
+        self.lost = 0
+        """By their sequence numbers."""
+        self.bad = [0, 0, 0, 0]
+        """By what `open_packet` says of them."""
+        self.overtaken = 0
+        """Packets that came while the one before waited for the task."""
+        self.restarts = 0
+        """Sequence numbers that went back: the FPGA has begun anew."""
+        self.tick_ns = 0
+        """Of the packet in `words`, on the DSP's clock."""
+        self._receiver = io.packet_receivers["packets"]
+        self._interrupts = io.interrupts
+        self._clock = io.clock
+        self._cpu = io.cpu
+        self._open = entry_point(pk.open_packet)
+        self._open_cost = io.cpu.cost("open_packet")
+        self._ring = bytearray(RING)
+        self._data = np.zeros(pk.BYTES, np.uint8)
+        self._view = memoryview(self._data)
+        self._taken = 0
+        self._sequence = -1
+        self._fpga_us = 0
+        self._edges = 0
+        self._sync = io.captures.get("tick")
+        self._line = io.interrupts.attach("packet", self._on_packet)
+        self._waiting = False
+
+    def begin(self, take: Callable[[], None]) -> None:
+        """Receive from now on."""
+        self._task = self._interrupts.attach("navigation", self._on_task)
+        self._take = take
+        if self._sync is not None:
+            self._sync.start()
+        self._anew()
+
+    def _anew(self) -> None:
+        self._taken = 0
+        self._receiver.begin(self._ring, pk.BYTES, self._line)
+
+    def _on_packet(self) -> None:
+        """The interrupt when a packet is whole."""
+        now_ns = self._clock.now_ns()
+        received = self._receiver.received()
+        place = (received // pk.BYTES - 1) * pk.BYTES
+        if place < self._taken:
+            return
+        self._taken = place + pk.BYTES
+        start = place % RING
+        if self._waiting:
+            self.overtaken += 1
+            return
+        self._view[:] = self._ring[start : start + pk.BYTES]
+        self._cpu.spend(self._open_cost)
+        found = self._open(self._data, self.words)
+        if found != pk.GOOD:
+            self.bad[found] += 1
+            self._anew()
+            return
+        self._count(now_ns)
+        self._waiting = True
+        self._task.pend()
+
+    def _count(self, now_ns: int) -> None:
+        words = self.words
+        sequence, high, middle, low = words[pk.SEQUENCE : pk.ACCELERATIONS].tolist()
+        fpga_us = high << 32 | middle << 16 | low
+        if fpga_us <= self._fpga_us:
+            self.restarts += 1
+        elif self._sequence >= 0:
+            self.lost += (sequence - self._sequence - 1) & WORD_MASK
+        self._sequence, self._fpga_us = sequence, fpga_us
+        self.good += 1
+        self.tick_ns = tick_ns = max(self._dated(now_ns), self.tick_ns + 1000)
+        tick_us = tick_ns // 1000
+        high, middle, low = tick_us >> 32, tick_us >> 16 & WORD_MASK, tick_us & WORD_MASK
+        words[pk.TIME : pk.ACCELERATIONS] = high, middle, low
+
+    def _dated(self, now_ns: int) -> int:
+        """When the tick of the packet that has just come was."""
+        if self._sync is not None:
+            edges, edge_ns = self._sync.captured()
+            if edges != self._edges and now_ns - edge_ns < LONGEST_CHAIN_NS:
+                self._edges = edges
+                return edge_ns
+        return now_ns - TICK_TO_PACKET_NS
+
+    def _on_task(self) -> None:
+        self._take()
+        self._waiting = False
