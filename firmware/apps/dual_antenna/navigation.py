@@ -84,6 +84,7 @@ def nav_config(settings: Settings, installation: Mapping[str, Any]) -> NavConfig
         attitude=AttitudeReference(baseline=vector(baseline), compass_time=settings.gyro_compass_s),
         C_b_s=tuple(float(element) for row in imu["C_b_s"] for element in row),
         antenna_lever_arm=vector(lever),
+        two_sample=False,  # the unit's samples are means over their periods
         rate_limit=RATE_LIMIT,
         accel_limit=ACCEL_LIMIT,
     )
