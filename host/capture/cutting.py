@@ -13,6 +13,7 @@ from host.record.atomic import made_aside
 from host.record.errors import UserError
 
 NS = 1_000_000_000
+LONGEST_S = 1e9
 
 
 def cut(reader: CaptureReader, target: Path, from_s: float, to_s: float) -> int:
@@ -27,7 +28,8 @@ def cut(reader: CaptureReader, target: Path, from_s: float, to_s: float) -> int:
     if target.exists():
         raise UserError(f"-o {target}: exists already; name a new file")
     copy: CaptureCopy | None = None
-    begin_ns, end_ns = round(from_s * NS), round(to_s * NS)
+    to_s = min(to_s, LONGEST_S)
+    begin_ns, end_ns = round(min(from_s, LONGEST_S) * NS), round(to_s * NS)
     with made_aside(target, "-o") as part, ExitStack() as opened:
         for message in reader.messages():
             if copy is None:

@@ -39,7 +39,8 @@ class Wanted:
 
 def execute(wanted: Wanted, target: str | None, quiet: bool) -> int:
     """Import, write, print; the exit code."""
-    check_files(("--json", target))
+    for file in map(_input_file, wanted.files):
+        check_files(("--json", target), read=file.path)
     with _progress_bar(f"import {wanted.kind}", quiet) as progress:
         result = import_recording(
             ImportRequest(

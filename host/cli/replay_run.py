@@ -34,8 +34,8 @@ def replay_strictly(request: ReplayRequest, outputs: Outputs) -> int:
         raise UserError(
             f"--set {request.overrides[0]}: a strict replay repeats what was; use --mode physical"
         )
-    check_files(("--json", outputs.json))
     request = replace(request, capture=capture_path(request.capture), notice=standard_error().print)
+    check_files(("--json", outputs.json), read=request.capture)
     with progress_bar(f"replay {request.capture.name}", outputs.quiet) as progress:
         result = replay_strict(replace(request, progress=progress))
     write_json(result.to_dict(), outputs.json)
@@ -47,8 +47,8 @@ def replay_physically(request: ReplayRequest, outputs: Outputs) -> int:
     """Replay, write, print; the exit code."""
     from host.replay.physical import replay_physical
 
-    check_files(("--json", outputs.json))
     request = replace(request, capture=capture_path(request.capture), notice=standard_error().print)
+    check_files(("--json", outputs.json), read=request.capture)
     with progress_bar(f"replay {request.capture.name}", outputs.quiet) as progress:
         replayed = replay_physical(replace(request, progress=progress))
     write_json(replayed.to_dict(), outputs.json)

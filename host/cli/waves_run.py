@@ -15,8 +15,8 @@ from host.waves.drawing import WavesRequest, draw
 
 def make_waves(request: WavesRequest, json_target: str | None, quiet: bool) -> int:
     """Draw, and tell what was drawn."""
-    check_files(("--json", json_target))
     request = dataclasses.replace(request, capture=capture_path(request.capture))
+    check_files(("-o", request.target), ("--json", json_target), read=request.capture)
     with progress_bar("waves", quiet) as progress:
         facts = draw(request, progress)
     write_json(facts, json_target)

@@ -50,9 +50,8 @@ def draw(request: WavesRequest, progress: Progress | None = None) -> dict[str, A
     if request.target.exists():
         raise UserError(f"-o {request.target}: exists already; name a new file")
     _check_stretch(request)
-    to_s = request.to_s
-    to_ns = FAR if to_s is None else min(FAR, round(to_s * NS))
-    recording = Recording(request.capture, min(FAR, round(request.from_s * NS)), to_ns)
+    to_ns = FAR if request.to_s is None else _nanoseconds(request.to_s)
+    recording = Recording(request.capture, _nanoseconds(request.from_s), to_ns)
     begin_ns, end_ns = _stretch(request, recording.end_ns)
     buses = chosen(recording.buses, request.buses)
     rates = given_rates(request.rates, recording.buses)
@@ -190,8 +189,12 @@ def _stretch(request: WavesRequest, recorded_ns: int) -> tuple[int, int]:
         raise UserError(
             f"--from {from_s:g}: capture {request.capture} ends at {recorded_ns / NS:g} s; choose earlier"
         )
-    end_ns = recorded_ns if to_s is None else min(round(to_s * NS), recorded_ns)
-    return round(from_s * NS), end_ns
+    end_ns = recorded_ns if to_s is None else min(_nanoseconds(to_s), recorded_ns)
+    return _nanoseconds(from_s), end_ns
+
+
+def _nanoseconds(time_s: float) -> int:
+    return round(min(time_s * NS, float(FAR)))
 
 
 def _teller(progress: Progress | None, recorded_ns: int) -> Callable[[float], None]:

@@ -21,6 +21,7 @@ from host.waves.uart_lines import UartLines
 DESCRIBED = ("board", "board_text", "scenario", "scenario_text", "overrides")
 EXAMPLES = {"spi": 5_250_000, "i2c": 400_000, "uart": 115_200, "can": 500_000}
 RATES_UP_TO = 200_000_000
+DIGITS = 20
 
 BusKey = tuple[str, str]
 """(name, kind)."""
@@ -83,9 +84,10 @@ def given_rates(texts: list[str], buses: list[RecordedBus]) -> dict[str, int]:
         example = f"for example --rate {known[0]}={EXAMPLES[buses[0].kind]}"
         if not equals or name not in known:
             raise UserError(f"--rate {text}: must be NAME=HZ with one of {', '.join(known)}; {example}")
-        if not number.replace("_", "").isdecimal() or not 0 < int(number) <= RATES_UP_TO:
+        digits = number.replace("_", "")
+        if not digits.isdecimal() or len(digits) > DIGITS or not 0 < int(digits) <= RATES_UP_TO:
             raise UserError(f"--rate {text}: {number!r} is no rate from 1 to {RATES_UP_TO} Hz; {example}")
-        rates[name] = int(number)
+        rates[name] = int(digits)
     return rates
 
 

@@ -102,6 +102,23 @@ def test_a_cut_that_makes_no_sense_is_told(capture, tmp_path, begin, end):
     assert not (tmp_path / "c.mcap").exists()
 
 
+def test_a_cut_without_an_end_goes_to_the_end(capture, tmp_path):
+    for end in ("inf", "1e300"):
+        outcome = navtwin(
+            "capture", "cut", capture, "--from", 11, "--to", end, "-o", tmp_path / f"{end}.mcap"
+        )
+        assert outcome.exit_code == 0, outcome.output
+    assert (tmp_path / "inf.mcap").read_bytes() == (tmp_path / "1e300.mcap").read_bytes()
+
+
+def test_figures_of_a_replay_do_not_take_the_place_of_its_capture(capture):
+    before = capture.read_bytes()
+    outcome = navtwin("replay", capture, "--json", capture)
+    assert outcome.exit_code == 2
+    assert "is the file that is read" in outcome.output
+    assert capture.read_bytes() == before
+
+
 def test_messages_are_valid_json_with_and_without_fix_height_or_truth():
     records = [r for r in CaptureReader(captured("thesis", "duration_s=100")[0]) if isinstance(r, Decoded)]
     assert {record.topic for record in records} >= {"/fix/gnss", "/fix/solution", "/imu/U2", "/solution"}

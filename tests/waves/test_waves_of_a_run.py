@@ -116,6 +116,9 @@ def test_a_window_is_the_same_stretch_of_the_whole(recorded, whole, tmp_path):
         (["--from", "-1"], "must be 0 or more and rise"),
         (["--rate", "spi1"], "must be NAME=HZ"),
         (["--rate", "spi1=fast"], "is no rate"),
+        (["--rate", "spi1=" + "9" * 5000], "is no rate"),
+        (["--rate", "spi1=1__0"], "at 10 Hz they take"),
+        (["--from", "1e300"], "ends at 3 s"),
         (["--rate", "spi1=1000"], "Name the right clock, e.g. --rate spi1="),
     ],
 )
@@ -124,6 +127,19 @@ def test_what_cannot_be_is_told_in_one_line(recorded, tmp_path, arguments, said)
     assert outcome.exit_code == 2
     assert said in outcome.output
     assert len(outcome.output.strip().splitlines()) == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_figures_do_not_take_the_place_of_the_capture_or_the_lines(recorded, tmp_path):
+    before = (recorded[0] / "run.mcap").read_bytes()
+    for taken, said in (
+        (recorded[0] / "run.mcap", "is the file that is read"),
+        (tmp_path / "x.vcd", "of -o"),
+    ):
+        outcome = waves(recorded[0], "-o", tmp_path / "x.vcd", "--json", taken)
+        assert outcome.exit_code == 2
+        assert said in outcome.output
+    assert (recorded[0] / "run.mcap").read_bytes() == before
     assert not list(tmp_path.iterdir())
 
 
