@@ -14,6 +14,8 @@ from hal.scripted.can import ScriptedCan
 from hal.scripted.cpu import ScriptedCpu, ScriptedLine
 from hal.scripted.dual_port import ScriptedDualPort
 from hal.scripted.i2c import ScriptedI2c
+from hal.scripted.i2c_slave import ScriptedI2cSlave
+from hal.scripted.packet_link import ScriptedPacketReceiver, ScriptedPacketSender
 from hal.scripted.pins import ScriptedInput, ScriptedOutput
 from hal.scripted.spi import ScriptedSpi
 from hal.scripted.storage import ScriptedLog
@@ -28,10 +30,13 @@ __all__ = [
     "ScriptedCpu",
     "ScriptedDualPort",
     "ScriptedI2c",
+    "ScriptedI2cSlave",
     "ScriptedInput",
     "ScriptedLine",
     "ScriptedLog",
     "ScriptedOutput",
+    "ScriptedPacketReceiver",
+    "ScriptedPacketSender",
     "ScriptedSpi",
     "ScriptedTimer",
     "ScriptedUart",

@@ -12,6 +12,8 @@ One step a line; `#` starts a comment, which also names the step in messages. By
     memory NAME read ADDRESS N                  N words, as BYTES
     memory NAME write ADDRESS BYTES
     memory NAME ring VALUE
+    packets NAME send BYTES                     busy (taken without a reply)
+    slave NAME answer BYTES
     pin NAME high|low
     timer NAME start RATE, timer NAME stop, capture NAME start
     log NAME append BYTES, log NAME sync        failed (done without a reply)
@@ -23,6 +25,8 @@ One step a line; `#` starts a comment, which also names the step in messages. By
     <- uart NAME errors N
     <- can NAME ID BYTES
     <- memory NAME ring VALUE   into the mailbox; pends its line
+    <- packets NAME BYTES       into the ring; pends its line when a packet is whole
+    <- slave NAME BYTES         written by the master; pends its line
     <- pin NAME high|low        pends the line of that edge
     <- line NAME                pends a line of the controller
     <- timer NAME, <- capture NAME CLOCK_NS
@@ -40,8 +44,22 @@ from types import TracebackType
 ANY = ".."
 Arrival = Callable[[list[str]], None]
 
-ACTIONS = ("spi", "i2c", "uart", "can", "memory", "pin", "timer", "capture", "log", "watchdog", "delay")
-ARRIVALS = ("uart", "can", "memory", "pin", "line", "timer", "capture", "time")
+ACTIONS = (
+    "spi",
+    "i2c",
+    "uart",
+    "can",
+    "memory",
+    "packets",
+    "slave",
+    "pin",
+    "timer",
+    "capture",
+    "log",
+    "watchdog",
+    "delay",
+)
+ARRIVALS = ("uart", "can", "memory", "packets", "slave", "pin", "line", "timer", "capture", "time")
 
 
 @dataclass(frozen=True)

@@ -6,10 +6,25 @@ from typing import Any
 
 import dual_port_benches
 import emulated_benches as emulated
+import processor_link_benches as links
 import pytest
 import scripted_benches as scripted
 
-from hal.conformance import can, clock, dual_port, i2c, interrupts, pins, spi, storage, timers, uart, watchdog
+from hal.conformance import (
+    can,
+    clock,
+    dual_port,
+    i2c,
+    i2c_slave,
+    interrupts,
+    packet_link,
+    pins,
+    spi,
+    storage,
+    timers,
+    uart,
+    watchdog,
+)
 
 BENCHES: dict[ModuleType, dict[str, Callable[[], Any]]] = {
     spi: {"emulated": emulated.EmulatedSpi, "scripted": scripted.ScriptedSpiBench},
@@ -24,6 +39,8 @@ BENCHES: dict[ModuleType, dict[str, Callable[[], Any]]] = {
         "emulated": dual_port_benches.EmulatedDualPortBench,
         "scripted": dual_port_benches.ScriptedDualPortBench,
     },
+    packet_link: {"emulated": links.EmulatedPackets, "scripted": links.ScriptedPackets},
+    i2c_slave: {"emulated": links.EmulatedSlave, "scripted": links.ScriptedSlave},
     storage: {"emulated": emulated.EmulatedStorage, "scripted": scripted.ScriptedStorage},
     watchdog: {"emulated": emulated.EmulatedWatchdogBench},
 }
