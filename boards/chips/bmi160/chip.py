@@ -109,14 +109,14 @@ class Bmi160(BusSide):
 
     def transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
         """One chip-select low period; see `hal.emulated.spi.SpiSlave`."""
-        if start_ns < self._fresh_to and mosi[0] == _BURST and len(mosi) == _BURST_LENGTH:
+        if start_ns < self._fresh_to and len(mosi) == _BURST_LENGTH and mosi[0] == _BURST:
             self._burst_ns = start_ns
             if self._pulsing:  # `_end_by_read`
                 self._pulsing = False
                 self._expect_read = True
                 self._net.set(self._idle)  # type: ignore[union-attr]
             return self._frame
-        if start_ns >= self._fast_to or mosi[0] != _BURST or len(mosi) != _BURST_LENGTH:
+        if start_ns >= self._fast_to or len(mosi) != _BURST_LENGTH or mosi[0] != _BURST:
             return self._transaction(mosi, start_ns, end_ns)
         return self._later_burst(start_ns)
 

@@ -170,7 +170,7 @@ class DualAntennaReceiver(Receiver[Report]):
         self._transmitter.send([ACCEPTED])
 
     def _change_baud(self, text: str) -> bool:
-        if not text.isdecimal() or int(text[:9]) not in BAUD_RATES:
+        if not (text.isdecimal() and int(text) in BAUD_RATES):
             self.log.report(ReportKind.PROTOCOL, "JBAUD", f"{text} baud: ignored", self._time.now)
             return False
         self._transmitter.send([ACCEPTED])
@@ -183,7 +183,7 @@ class DualAntennaReceiver(Receiver[Report]):
         if len(fields) >= 3 and fields[1] in ("HPR", "AVR"):
             name = f"{fields[0]},{fields[1]}"
         name = name[2:] if name[:2] == "GP" else name
-        if name not in SENTENCES or not rate.isdecimal() or int(rate[:4]) not in (0, *RATES_HZ):
+        if name not in SENTENCES or not (rate.isdecimal() and int(rate) in (0, *RATES_HZ)):
             what = f"{','.join(fields)}: ignored"
             self.log.report(ReportKind.PROTOCOL, "JASC", what, self._time.now)
             return False

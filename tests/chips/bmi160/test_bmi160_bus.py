@@ -139,6 +139,16 @@ def test_reply_is_as_long_as_the_request() -> None:
     assert rig.spi(b"") == b""
 
 
+def test_a_select_without_clocks_disturbs_no_burst() -> None:
+    rig = Rig()
+    rig.start()
+    first = rig.read(0x0C, 15)
+    assert rig.spi(b"") == b""
+    rig.wait(20 * MS)
+    assert rig.spi(b"") == b""
+    assert rig.read(0x0C, 15)[:12] == first[:12]
+
+
 # -- I²C -----------------------------------------------------------------------------------------------
 
 

@@ -191,6 +191,7 @@ def test_bit_rate() -> None:
     [
         ("$JASC,GPGGA,3", "protocol"), ("$JASC,GPXXX,1", "protocol"), ("$JASC,GPGGA,x", "protocol"),
         ("$JASC,GPGGA,20", "protocol"), ("$JBAUD,1234", "protocol"), ("$JBAUD,x", "protocol"),
+        ("$JBAUD,0000096001", "protocol"), ("$JASC,GPGGA,00005", "protocol"),
         ("$JATT,TILTAID,YES", "not modelled"), ("$JASC", "not modelled"), ("$JBAUD", "not modelled"),
         ("$GPGGA,1", "not modelled"), ("$", "not modelled"),
     ],
