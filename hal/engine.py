@@ -80,9 +80,12 @@ def use() -> None:
     """From here on the engine's modules are imported as machine code, if there is some for their sources."""
     if os.environ.get(CHOICE, "") == "interpreted" or any(type(f) is MachineCode for f in sys.meta_path):
         return
-    built = folder()
-    if (built / (LIBRARY + _suffix())).exists():
-        sys.meta_path.insert(0, MachineCode(built))
+    try:
+        built = folder()
+        (built / (LIBRARY + _suffix())).stat()
+    except OSError:  # not built, not ours to read, or there are no sources to compare with
+        return
+    sys.meta_path.insert(0, MachineCode(built))
 
 
 def is_compiled() -> bool:

@@ -8,12 +8,14 @@ is due before their work ends.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import SupportsIndex
 
 from greenlet import getcurrent, greenlet
 
 from hal.board_io import NotNamedError
 from hal.emulated.interrupt_line import NEVER_YET, EmulatedLine, LineSpec
 from hal.emulated.virtual_time import FAR, SECOND, VirtualTime
+from hal.emulated.whole_number import whole_number
 from hal.endings import ProcessorReset, SpinError
 from hal.interrupts import LineFigures
 
@@ -86,7 +88,7 @@ class EmulatedCpu:
         ordered = sorted(specs, key=lambda spec: spec.priority)
         lines = {spec.name: EmulatedLine(self, spec, 2 << rank) for rank, spec in enumerate(ordered)}
         for line in lines.values():
-            more_urgent = (o.bit for o in lines.values() if o.spec.priority < line.spec.priority)
+            more_urgent = [o.bit for o in lines.values() if o.spec.priority < line.spec.priority]
             line.above = RESET_BIT | sum(more_urgent)
             line.open = RESET_BIT
         return lines
@@ -171,18 +173,19 @@ class EmulatedCpu:
         """The virtual time at which this processor's clock showed `clock_ns` (since its last reset)."""
         return self._boot_ns + clock_ns * SECOND // (SECOND + self.crystal_error_ppb)
 
-    def spend(self, cycles: int) -> None:
+    def spend(self, cycles: SupportsIndex) -> None:
         """Let the time of `cycles` pass, rounded up to ns; being interrupted makes it longer."""
         time = self.time
-        end = time.now - (-cycles * SECOND // self.frequency_hz)
+        count = cycles if isinstance(cycles, int) else whole_number(cycles, "cycles to spend")
+        end = time.now - (-count * SECOND // self.frequency_hz)
         if end < time.limit:
             time.now = end
         else:
             self._pass_until(end, stretch=True)
 
-    def delay(self, duration_ns: int) -> None:
+    def delay(self, duration_ns: SupportsIndex) -> None:
         """Busy-wait."""
-        self.wait_until(self.time.now + duration_ns)
+        self.wait_until(self.time.now + whole_number(duration_ns, "delay in ns"))
 
     def wait_for_interrupt(self) -> None:
         """Sleep until at least one handler has run.
@@ -204,12 +207,12 @@ class EmulatedCpu:
                 time.drop_first()
                 continue
             time.now = now = entry[0]
-            again = callback()
-            if again is None or not now <= again < time.second_due:
-                time.put_away(entry, again)
-            else:
+            again: object = callback()
+            if isinstance(again, int) and now <= again < time.second_due:
                 entry[0] = time.next_due = time.limit = again
                 time.repeated += 1
+            else:
+                time.put_away(entry, again)
         if running.bit:
             self.serve()
             return

@@ -10,13 +10,16 @@ until it is told to.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import NamedTuple, SupportsIndex
 
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.interrupt_line import EmulatedLine, emulated_line
+from hal.emulated.whole_number import whole_number
 from hal.interrupts import InterruptLine
 
 WORD_BYTES = (2, 4)
+
+Words = bytes | bytearray | memoryview
 
 
 class _Write(NamedTuple):
@@ -146,8 +149,13 @@ class EmulatedDualPortSide:
         """How long its bus was at work."""
         return self.accesses * self.access_ns
 
-    def read(self, address: int, count: int) -> bytes:
+    def read(self, address: SupportsIndex, count: SupportsIndex) -> bytes:
         """See `hal.dual_port.DualPortMemory`."""
+        if isinstance(address, int) and isinstance(count, int):
+            return self._read(address, count)
+        return self._read(whole_number(address, "address"), whole_number(count, "count of words"))
+
+    def _read(self, address: int, count: int) -> bytes:
         if address < 0 or count < 1 or address + count > self.words:
             self._refuse(address, count)
         memory, time = self._memory, self._time
@@ -168,8 +176,11 @@ class EmulatedDualPortSide:
         finally:
             memory.end_read(start, time.now)
 
-    def write(self, address: int, data: bytes) -> None:
+    def write(self, address: SupportsIndex, data: Words) -> None:
         """See `hal.dual_port.DualPortMemory`."""
+        self._write(address if isinstance(address, int) else whole_number(address, "address"), data)
+
+    def _write(self, address: int, data: Words) -> None:
         width = self.word_bytes
         count, rest = divmod(len(data), width)
         if rest:
@@ -190,18 +201,19 @@ class EmulatedDualPortSide:
             time.now = end
             memory.bytes[address * width : (address + count) * width] = data
             return
-        write = memory.begin_write(address, data, start, self.access_ns)
+        write = memory.begin_write(address, bytes(data), start, self.access_ns)
         try:
             self._cpu.wait_until(end)
         finally:
             memory.end_write(write, time.now)
 
-    def ring(self, value: int) -> None:
+    def ring(self, value: SupportsIndex) -> None:
         """See `hal.dual_port.DualPortMemory`."""
         self._access_mailbox()
         other = self.other
         if other is not None:
-            other._mailbox = value & self._mask
+            word = value if isinstance(value, int) else whole_number(value, "mailbox word")
+            other._mailbox = word & self._mask
             line = other._line
             if line is not None:
                 line.request()

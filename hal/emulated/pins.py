@@ -67,15 +67,16 @@ class Net:
         """Whether anybody follows the level."""
         return bool(self._listeners or self._edges[0] or self._edges[1])
 
-    def set(self, level: bool) -> None:
-        """Drive the level; listeners hear of a change only."""
+    def set(self, level: object) -> None:
+        """Drive the level, high for what is true; listeners hear of a change only."""
+        high = bool(level)
         if self.holder is not None:
-            self.holder(level)
+            self.holder(high)
             return
-        if level == self.level:
+        if high == self.level:
             return
-        self.level = level
-        follow = self._rise if level else self._fall
+        self.level = high
+        follow = self._rise if high else self._fall
         if follow is not None:
             follow()
 
@@ -128,8 +129,8 @@ class Net:
         """Take a listener for edges back, from both."""
         falling, rising = self._edges
         self._edges = (
-            tuple(other for other in falling if other != callback),
-            tuple(other for other in rising if other != callback),
+            tuple([other for other in falling if other != callback]),
+            tuple([other for other in rising if other != callback]),
         )
         self._compose()
 
@@ -137,7 +138,7 @@ class Net:
         """Take a listener back. Raises ValueError when it does not listen."""
         if callback not in self._listeners:
             raise ValueError(f"net {self.name!r}: {callback!r} does not listen, so it cannot be taken back")
-        self._listeners = tuple(other for other in self._listeners if other != callback)
+        self._listeners = tuple([other for other in self._listeners if other != callback])
         self._compose()
 
 
@@ -175,8 +176,8 @@ class EmulatedOutputPin:
         self._undriven = net.level
         cpu.reset_hooks.append(self._reset)
 
-    def set(self, level: bool) -> None:
-        """Drive the electrical level."""
+    def set(self, level: object) -> None:
+        """Drive the electrical level, high for what is true."""
         self._net.set(level)
 
     def _reset(self) -> None:

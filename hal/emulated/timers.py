@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from math import gcd
+from typing import SupportsIndex
 
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.interrupt_line import EmulatedLine, emulated_line
 from hal.emulated.pins import Net
 from hal.emulated.virtual_time import SECOND, Event
+from hal.emulated.whole_number import whole_number
 from hal.interrupts import InterruptLine
 from hal.pins import Edge
 
@@ -23,13 +25,14 @@ class EmulatedPeriodicTimer:
         self._event: Event | None = None
         cpu.reset_hooks.append(self.stop)
 
-    def start(self, rate_hz: int, line: InterruptLine) -> None:
+    def start(self, rate_hz: SupportsIndex, line: InterruptLine) -> None:
         """First expiry one period from now, the n-th at n / rate_hz; a running timer starts anew."""
-        if rate_hz <= 0:
-            raise ValueError(f"timer rate of {rate_hz} Hz; it must be positive, e.g. 100")
+        rate = whole_number(rate_hz, "timer rate in Hz")
+        if rate <= 0:
+            raise ValueError(f"timer rate of {rate} Hz; it must be positive, e.g. 100")
         self.stop()
         request = emulated_line(line).request
-        divisor = rate_hz * (SECOND + self._cpu.crystal_error_ppb)
+        divisor = rate * (SECOND + self._cpu.crystal_error_ppb)
         common = gcd(SECOND * SECOND, divisor)
         divisor //= common
         whole, part = divmod(SECOND * SECOND // common, divisor)

@@ -7,12 +7,17 @@ its end, and when the line has been high for one frame (10 bits of the receiver)
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from typing import SupportsIndex
+
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.interrupt_line import EmulatedLine, emulated_line
 from hal.emulated.uart_bytes import FRAME
-from hal.emulated.uart_receiver import LineReceiver, UartPeer
+from hal.emulated.uart_faces import UartPeer
+from hal.emulated.uart_receiver import LineReceiver
 from hal.emulated.uart_wire import UartWire
 from hal.emulated.virtual_time import FAR
+from hal.emulated.whole_number import whole_number
 from hal.interrupts import InterruptLine
 
 __all__ = ["EmulatedUart", "UartPeer", "UartWire"]
@@ -43,13 +48,14 @@ class EmulatedUart:
         """The bit rate of both directions now."""
         return self.tx.baud
 
-    def set_baud(self, baud: int) -> None:
+    def set_baud(self, baud: SupportsIndex) -> None:
         """Change the bit rate of both directions for the bytes that follow."""
-        if baud != self.tx.baud:
-            self.tx.set_baud(baud)
+        rate = whole_number(baud, "baud rate")
+        if rate != self.tx.baud:
+            self.tx.set_baud(rate)
             self._receiver.rate_changed()
 
-    def write(self, data: bytes) -> int:
+    def write(self, data: Iterable[int]) -> int:
         """Queue bytes for transmission and return how many were taken."""
         return self.tx.send(data)
 

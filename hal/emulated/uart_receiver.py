@@ -9,31 +9,11 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import Protocol
 
 from hal.emulated.alarm import Alarm
 from hal.emulated.uart_bytes import FRAME, SampledByte, SentBytes, rates_agree, sample
+from hal.emulated.uart_faces import UartPeer
 from hal.emulated.virtual_time import FAR, VirtualTime
-
-
-class UartPeer(Protocol):
-    """Whoever listens to a line: a chip, a capture, the host."""
-
-    def receive(self, data: bytes, time_ns: int) -> None:
-        """A chunk of bytes, the last of which ended at `time_ns` (now). Must not let time pass."""
-        ...
-
-
-class LineListener(Protocol):
-    """Whoever hears of what is put on a line: receivers and tapes."""
-
-    def announce(self, sent: SentBytes) -> None:
-        """These bytes will be on the line, behind all that were announced before."""
-        ...
-
-    def forget(self, begin_from: int) -> None:
-        """Bytes whose start bit lies at `begin_from` or later will not come after all."""
-        ...
 
 
 class LineReceiver:

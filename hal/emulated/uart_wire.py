@@ -8,30 +8,13 @@ of one a byte. Only while a fault is at work that looks at each frame does the l
 from __future__ import annotations
 
 from collections import deque
-from typing import Protocol
+from collections.abc import Iterable
 
 from hal.emulated.alarm import Alarm
 from hal.emulated.uart_bytes import NO_STOP_BIT, NOT_TAKEN, BrokenFrames, MissedBytes, SentBytes
-from hal.emulated.uart_receiver import LateReceiver, LineListener, LineReceiver, PeerReceiver, UartPeer
+from hal.emulated.uart_faces import LineFault, LineListener, UartPeer
+from hal.emulated.uart_receiver import LateReceiver, LineReceiver, PeerReceiver
 from hal.emulated.virtual_time import FAR, VirtualTime
-
-
-class LineFault(Protocol):
-    """What disturbs a line (`hal.emulated.faults` has them)."""
-
-    frame_by_frame: bool
-    """Whether `frame` has to see every byte."""
-    breaks_frame: bool
-    """Whether the byte under way when the fault begins is lost."""
-
-    def sent(self, data: bytes) -> bytes:
-        """What the transmitter really queues of `data`."""
-        ...
-
-    def frame(self, value: int) -> int | None:
-        """What becomes of one byte that begins now; None when it is lost, with NO_STOP_BIT when its stop bit
-        is low, with NOT_TAKEN when the port misses it."""
-        ...
 
 
 class UartWire:
@@ -60,9 +43,11 @@ class UartWire:
 
     # -- transmitter -------------------------------------------------------------------------------
 
-    def send(self, data: bytes) -> int:
+    def send(self, data: Iterable[int]) -> int:
         """Queue bytes behind what is still being sent; returns how many found room."""
-        data = bytes(data)
+        return self._send(bytes(data))
+
+    def _send(self, data: bytes) -> int:
         taken = len(data)
         now = self.time.now
         idle = self._end <= now

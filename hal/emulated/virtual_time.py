@@ -7,7 +7,9 @@ it changes the state of hardware, raises interrupts and schedules further events
 
 from collections.abc import Callable
 from heapq import heapify, heappop, heappush, heapreplace
-from typing import Any
+from typing import Any, SupportsIndex
+
+from hal.emulated.whole_number import whole_number
 
 SECOND = 1_000_000_000
 FAR = (1 << 62) - 1
@@ -75,24 +77,23 @@ class VirtualTime:
         """How many callbacks have run (and returned)."""
         return self.repeated + self._created - self._dropped - (len(self.heap) - SENTINELS)
 
-    def at(self, time_ns: int, callback: Callback, priority: int = 0) -> Event:
+    def at(self, time_ns: SupportsIndex, callback: Callback, priority: int = 0) -> Event:
         """Run `callback` at `time_ns`.
 
         A callback that returns an integer runs again at that time, which is cheaper than a new event.
         Raises ValueError when the time has passed.
         """
-        if time_ns < self.now:
-            raise ValueError(
-                f"event at {time_ns} ns lies before now ({self.now} ns); schedule at now or later"
-            )
+        due = time_ns if isinstance(time_ns, int) else whole_number(time_ns, "time of an event in ns")
+        if due < self.now:
+            raise ValueError(f"event at {due} ns lies before now ({self.now} ns); schedule at now or later")
         self._created += 1
-        entry = [time_ns, priority, self._created, callback]
+        entry = [due, priority, self._created, callback]
         heappush(self.heap, entry)
-        if time_ns < self.next_due:
+        if due < self.next_due:
             self.second_due = self.next_due
-            self._set_due(time_ns)
-        elif time_ns < self.second_due:
-            self.second_due = time_ns
+            self._set_due(due)
+        elif due < self.second_due:
+            self.second_due = due
         return Event(entry)
 
     def look_now(self) -> None:
@@ -125,12 +126,12 @@ class VirtualTime:
             self.drop_first()
             return
         self.now = now = entry[0]
-        again = callback()
-        if again is None or not now <= again < self.second_due:
-            self.put_away(entry, again)
-        else:
+        again: object = callback()
+        if isinstance(again, int) and now <= again < self.second_due:
             entry[0] = self.next_due = self.limit = again
             self.repeated += 1
+        else:
+            self.put_away(entry, again)
 
     def drop_first(self) -> None:
         """Take out the earliest event, which was cancelled."""
@@ -139,9 +140,13 @@ class VirtualTime:
         self.next_due = self.limit = self.heap[0][0]
         self._find_second()
 
-    def put_away(self, entry: list[Any], again: int | None) -> None:
+    def put_away(self, entry: list[Any], answer: Any) -> None:
         """Take out the event that has run, or put it where it belongs now."""
         heap = self.heap
+        if answer is None or isinstance(answer, int):
+            again: int | None = answer
+        else:
+            again = whole_number(answer, "time at which an event repeats in ns")
         if again is not None and heap[0] is entry and again >= self.now:
             entry[0] = again
             self._created = entry[2] = self._created + 1

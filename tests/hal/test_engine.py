@@ -80,3 +80,82 @@ def test_an_environment_that_cannot_be_written_is_told(
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
     with pytest.raises(engine_build.NotPossibleError, match="navtwin-engine cannot be written"):
         engine_build.build()
+
+
+def _fill(folder: Path) -> None:
+    """In place of `engine_build._compile`, which takes half a minute."""
+    (folder / f"{engine.LIBRARY}.so").write_text("machine code")
+
+
+def _pretend_to_compile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(engine_build, "_compile", _fill)
+    return tmp_path / "lib" / "navtwin-engine"
+
+
+def test_two_builds_at_once_leave_one_engine(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    builds = _pretend_to_compile(tmp_path, monkeypatch)
+
+    def overtaken(folder: Path) -> None:
+        monkeypatch.setattr(engine_build, "_compile", _fill)
+        engine_build.build()
+        _fill(folder)
+
+    monkeypatch.setattr(engine_build, "_compile", overtaken)
+    assert engine_build.build() == engine.folder()
+    assert list(builds.iterdir()) == [engine.folder()]
+
+
+def test_what_an_interrupted_build_left_goes_with_a_later_one_but_never_a_running_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    builds = _pretend_to_compile(tmp_path, monkeypatch)
+    old, running = builds / "being-built-old", builds / "being-built-now"
+    complete = [builds / f"build{age}" for age in range(6)]
+    for folder in (old, running, *complete):
+        folder.mkdir(parents=True)
+    now = running.stat().st_mtime
+    os.utime(old, (now - 7200, now - 7200))
+    for age, folder in enumerate(complete):
+        os.utime(folder, (now - 60 * age - 60, now - 60 * age - 60))
+    engine_build.build()
+    assert set(builds.iterdir()) == {engine.folder(), running, *complete[: engine_build.BUILDS_KEPT]}
+
+
+def test_the_engine_can_be_read_by_who_may_read_the_environment(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _pretend_to_compile(tmp_path, monkeypatch)
+    assert engine_build.build().stat().st_mode & 0o777 == 0o755
+
+
+def test_sources_that_change_during_the_build_are_not_taken_for_what_was_built(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    builds = _pretend_to_compile(tmp_path, monkeypatch)
+    monkeypatch.setattr(engine_build, "_compile", lambda _folder: monkeypatch.setattr(sys, "version", "3.99"))
+    with pytest.raises(engine_build.NotPossibleError, match="changed meanwhile"):
+        engine_build.build()
+    assert not list(builds.iterdir())
+
+
+def test_a_refusal_of_the_translator_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    source = tmp_path / "hal" / "emulated" / "virtual_time.py"
+    source.parent.mkdir(parents=True)
+    source.write_text("now: int = 'noon'\n")
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    monkeypatch.setattr(engine, "_ROOT", tmp_path)
+    monkeypatch.setattr(engine_build, "PACKAGE_ROOT", tmp_path)
+    monkeypatch.setattr(engine, "MODULES", ("hal.emulated.virtual_time",))
+    with pytest.raises(engine_build.NotPossibleError, match="mypyc does not translate"):
+        engine_build.build()
+
+
+def test_a_package_without_sources_is_simply_interpreted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(engine, "_ROOT", tmp_path)
+    monkeypatch.setattr(sys, "meta_path", [])
+    monkeypatch.delenv(engine.CHOICE, raising=False)
+    engine.use()
+    assert sys.meta_path == []

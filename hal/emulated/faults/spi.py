@@ -32,7 +32,7 @@ class SpiFault(Fault):
 
         self._schedule(device.bus.cpu.time, begin, end)
 
-    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> bytes:
+    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> Bytes:
         """What the bus sees instead of the chip."""
         raise NotImplementedError
 
@@ -55,13 +55,13 @@ class SpiBitErrors(SpiFault):
         self._on_mosi = line == "mosi"
         self._errors = BitErrors(probability, seed, f"{name}.{line}")
 
-    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> bytes:
+    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> Bytes:
         """Pass everything on, with errors on one line."""
         if self._on_mosi:
             sent, flipped = self._errors.disturb(bytes(mosi))
             self.fired += flipped
             return self.inner.transaction(sent, start_ns, end_ns)
-        miso, flipped = self._errors.disturb(self.inner.transaction(mosi, start_ns, end_ns))
+        miso, flipped = self._errors.disturb(bytes(self.inner.transaction(mosi, start_ns, end_ns)))
         self.fired += flipped
         return miso
 
@@ -73,7 +73,7 @@ class SpiMissingChip(SpiFault):
         super().__init__(start_ns, end_ns)
         self._fill = b"\xff" if level else b"\x00"
 
-    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> bytes:
+    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> Bytes:
         """All ones or all zeros."""
         self.fired += 1
         return self._fill * len(mosi)
@@ -82,7 +82,7 @@ class SpiMissingChip(SpiFault):
 class SpiStuckMiso(SpiMissingChip):
     """MISO is stuck at `level`, but the chip hears and obeys. `fired`: transactions."""
 
-    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> bytes:
+    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> Bytes:
         """All ones or all zeros."""
         self.inner.transaction(mosi, start_ns, end_ns)
         return super().transaction(mosi, start_ns, end_ns)
@@ -115,7 +115,7 @@ class SpiRegisterOverride(SpiFault):
         self._read_bit = read_bit
         self._address_mask = address_mask
 
-    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> bytes:
+    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> Bytes:
         """The chip's answer with one byte replaced."""
         miso = self.inner.transaction(mosi, start_ns, end_ns)
         first = mosi[0]
@@ -140,7 +140,7 @@ class SpiWordSlip(SpiFault):
         self._bits = bits
         self._rest = (1 << bits) - 1
 
-    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> bytes:
+    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> Bytes:
         """The answer behind the end of the one before."""
         self.fired += 1
         bits = 8 * len(mosi)
@@ -158,7 +158,7 @@ class SpiLateAnswers(SpiFault):
         super().__init__(start_ns, end_ns)
         self._answers: dict[int, bytes] = {}
 
-    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> bytes:
+    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> Bytes:
         """What was said last time."""
         self.fired += 1
         late = self._answers.get(len(mosi), b"\xff" * len(mosi))
@@ -177,7 +177,7 @@ class SpiByteSlips(SpiFault):
         self._strikes = Strikes(probability, seed, name)
         self._copies = 2 if doubled else 0
 
-    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> bytes:
+    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> Bytes:
         """The chip's answer with bytes lost or doubled."""
         answer = self.inner.transaction(mosi, start_ns, end_ns)
         taken = bytearray()
