@@ -24,6 +24,7 @@ _VELNED = Struct("<I3iIIiII")
 _TIMEGPS = Struct("<IihbBI")
 _TIMEUTC = Struct("<IIiH5BB")
 _CLOCK = Struct("<IiiII")
+_TIMELS = Struct("<IB3xBbBbiHH3xB")
 
 LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
 NO_FIX_DOP = 9999
@@ -31,6 +32,7 @@ NO_FIX_S_ACC_MMPS = 20_000
 LARGEST_HEADING_ACC = 18_000_000
 USNO = 3
 """UTC standard: the one derived from GPS."""
+LEAP_BY_DEFAULT, LEAP_FROM_GLONASS, LEAP_FROM_GPS = 0, 1, 2
 
 
 def _integer(value: float, scale: float) -> int:
@@ -227,6 +229,17 @@ def nav_clock(solution: Solution) -> bytes:
         *(solution.time_accuracy_ns, 1000 if solution.fix else UNKNOWN_ACCURACY),
     )
     return frame(CLASS_NAV, 0x22, payload)
+
+
+def nav_timels(solution: Solution) -> bytes:
+    """01 26: leap seconds, and where they are from; the next change is never known."""
+    source = LEAP_BY_DEFAULT
+    if solution.leap_known:
+        glonass = any(one.used and one.system == "GLONASS" for one in solution.satellites)
+        source = LEAP_FROM_GLONASS if glonass else LEAP_FROM_GPS
+    valid = 1 if solution.leap_known else 0
+    payload = _TIMELS.pack(solution.tow_ms, 0, source, solution.leap_seconds, 0, 0, 0, 0, 0, valid)
+    return frame(CLASS_NAV, 0x26, payload)
 
 
 def _remainder_ns(solution: Solution) -> int:

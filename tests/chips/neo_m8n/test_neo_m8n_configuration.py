@@ -152,7 +152,7 @@ def test_message_rates_for_one_port_and_for_all(rig: Rig) -> None:
 def test_every_periodic_message_parses_and_agrees(rig: Rig) -> None:
     rig.say(ubx(6, PRT, bytes.fromhex("01000000d0080000000e0e000700030000000000")))
     rig.run(0.3)
-    ids = (0x01, 0x02, 0x03, 0x04, 0x06, 0x07, 0x11, 0x12, 0x20, 0x21, 0x22, 0x30, 0x35, 0x61)
+    ids = (0x01, 0x02, 0x03, 0x04, 0x06, 0x07, 0x11, 0x12, 0x20, 0x21, 0x22, 0x26, 0x30, 0x35, 0x61)
     for message_id in ids:
         rig.say(ubx(6, MSG, bytes((1, message_id, 1))))
     rig.say(ubx(6, MSG, bytes((0x0A, 0x09, 1))))
@@ -169,6 +169,8 @@ def test_every_periodic_message_parses_and_agrees(rig: Rig) -> None:
     assert (messages["NAV-DOP"].pDOP, messages["NAV-DOP"].tDOP) == (1.56, 0.9)
     assert messages["NAV-DOP"].gDOP == pytest.approx(1.80, abs=0.01)
     assert (messages["NAV-TIMEGPS"].week, messages["NAV-TIMEGPS"].leapS) == (2305, 18)
+    leap = messages["NAV-TIMELS"]
+    assert (leap.srcOfCurrLs, leap.currLs, leap.validCurrLs, leap.validTimeToLsEvent) == (1, 18, 1, 0)
     assert messages["NAV-SAT"].numSvs == messages["NAV-SVINFO"].numCh == 9
     assert (messages["NAV-SVINFO"].svid_07, messages["NAV-SAT"].svId_08) == (133, 3)  # SBAS 46, GLONASS 67
     sol = messages["NAV-SOL"]
@@ -179,6 +181,17 @@ def test_every_periodic_message_parses_and_agrees(rig: Rig) -> None:
     place, velocity = messages["NAV-POSECEF"], messages["NAV-VELECEF"]
     assert (place.ecefX, place.ecefY, place.ecefZ, place.pAcc) == (sol.ecefX, sol.ecefY, sol.ecefZ, sol.pAcc)
     assert (velocity.ecefVX, velocity.ecefVY, velocity.ecefVZ) == (sol.ecefVX, sol.ecefVY, sol.ecefVZ)
+
+
+def test_leap_seconds_by_default_until_they_are_known() -> None:
+    rig = Rig(start_state="cold", default_leap_seconds=16)
+    rig.run(22.0)
+    (before,) = rig.ask(ubx(1, 0x26))
+    assert (before.identity, before.length) == ("NAV-TIMELS", 24)
+    assert (before.srcOfCurrLs, before.currLs, before.validCurrLs) == (0, 16, 0)
+    rig.run(8.0)
+    (after,) = rig.ask(ubx(1, 0x26))
+    assert (after.srcOfCurrLs, after.currLs, after.validCurrLs) == (1, 18, 1)
 
 
 def test_end_of_epoch_comes_behind_everything(rig: Rig) -> None:
