@@ -21,6 +21,7 @@ from hal.emulated.can import EmulatedCanBus, EmulatedCanController
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.i2c import EmulatedI2cBus
 from hal.emulated.interrupt_line import LineSpec
+from hal.emulated.packet_link import EmulatedPacketSender
 from hal.emulated.pins import EmulatedInputPin, EmulatedOutputPin, Net
 from hal.emulated.spi import EmulatedSpiBus, EmulatedSpiDevice, SpiTiming
 from hal.emulated.storage import EmulatedLogFile
@@ -83,6 +84,12 @@ class AssembledBoard:
     interconnects: dict[str, Ends] = field(default_factory=dict)
     """Of each interconnect the ends, by processor."""
     _can_ports: dict[str, EmulatedCanController] = field(default_factory=dict)
+
+    @property
+    def packet_senders(self) -> dict[str, EmulatedPacketSender]:
+        """Of each packet link the master's end."""
+        ends = ((name, end) for name, ends in self.interconnects.items() for end in ends.values())
+        return {name: end for name, end in ends if isinstance(end, EmulatedPacketSender)}
 
     @property
     def time(self) -> VirtualTime:

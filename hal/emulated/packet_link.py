@@ -90,8 +90,8 @@ class EmulatedPacketSender:
         """Packets that found the one before under way."""
         self.disturbances: list[Disturbance] = []
         """Faults of the wire: each makes other bytes of those that are sent."""
-        self._cpu = cpu
-        self._time = cpu.time
+        self.time = cpu.time
+        """Virtual time that it works in."""
         self._receiver = receiver
         self._clock_hz = clock_hz
         self._pause_ns = pause_ns
@@ -110,7 +110,7 @@ class EmulatedPacketSender:
             raise ValueError(
                 f"packet link {self.name!r}: {len(data)} bytes are no whole words of {WORD_BYTES} bytes"
             )
-        now = self._time.now
+        now = self.time.now
         if self._event is not None:
             self.refused += 1
             return False
@@ -118,7 +118,7 @@ class EmulatedPacketSender:
         self._start_ns = now
         self._end_ns = end = now + self.duration_ns(len(data))
         self.transactions += 1
-        self._event = self._time.at(end, self._arrive)
+        self._event = self.time.at(end, self._arrive)
         return True
 
     def _arrive(self) -> None:
@@ -136,7 +136,7 @@ class EmulatedPacketSender:
             return
         event.cancel()
         self._event = None
-        now = self._time.now
+        now = self.time.now
         words = len(self._data) // WORD_BYTES
         done = words * (now - self._start_ns) // (self._end_ns - self._start_ns)
         self.busy_ns += now - self._start_ns

@@ -88,6 +88,10 @@ def _spi_devices(board: Board) -> list[str]:
     ]
 
 
+def _packet_links(board: Board) -> list[str]:
+    return [name for name, joint in board.interconnects.items() if joint.kind == "spi-packets"]
+
+
 def _chips(board: Board) -> list[str]:
     return list(board.chips)
 
@@ -163,6 +167,9 @@ TARGETS: dict[str, Callable[[Board], list[str]]] = {
     "i2c-bit-errors": _i2c_devices,
     "i2c-clock-stretch": _i2c_devices,
     "i2c-stuck": _i2c_buses,
+    "packet-loss": _packet_links,
+    "packet-bit-errors": _packet_links,
+    "packet-word-slip": _packet_links,
     "pin-stuck": _nets_from_chips,
     "sensor-frozen": _chips,
     "sensor-stuck": able("measures"),

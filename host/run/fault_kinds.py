@@ -15,6 +15,8 @@
 | i2c-stuck | I²C bus | line = "sda" or "scl", level |
 | uart-… | UART | line = "rx": into the processor, "tx": out of it |
 | can-disturbance | CAN bus | no frame gets through |
+| packet-loss, packet-word-slip | packet link | probability a packet |
+| packet-bit-errors | packet link | probability a bit |
 | pin-stuck | net | level: a data-ready or time pulse that nobody sees |
 | sensor-frozen | reference designator | quantity = "all" or one, axis |
 | sensor-stuck, -saturated, -drift | reference designator | quantity = "" (its first) or one, axis |
@@ -118,6 +120,16 @@ def _overrun_port(site: Site) -> Effect:
     fault = wire_faults.UartOverrun(site.start, site.end, **options, **site.stream)
     fault.install_at(site.of(site.board.ports, "UART"))
     return Effect(lambda: fault.fired, fault.lift)
+
+
+def _on_packets(kind: Callable[..., wire_faults.PacketFault], probability: float) -> Maker:
+    def place(site: Site) -> Effect:
+        options = site.parameters(probability=probability)
+        fault = kind(site.start, site.end, **options, **site.stream)
+        fault.install(site.of(site.board.packet_senders, "packet link"))
+        return Effect(lambda: fault.fired, fault.lift)
+
+    return place
 
 
 def _disturb_can(site: Site) -> Effect:
@@ -335,6 +347,9 @@ KINDS: dict[str, Maker] = {
     "uart-wrong-baud": _on_uart(wire_faults.UartWrongBaud, baud=38_400),
     "uart-garbage": _on_uart(wire_faults.UartGarbage, length=500),
     "can-disturbance": _disturb_can,
+    "packet-loss": _on_packets(wire_faults.PacketLoss, 1.0),
+    "packet-bit-errors": _on_packets(wire_faults.PacketBitErrors, 1e-4),
+    "packet-word-slip": _on_packets(wire_faults.PacketWordSlip, 0.01),
     "pin-stuck": _stick_pin,
     "sensor-frozen": _in_sensor(Frozen, "all", receiver_too=True),
     "sensor-stuck": _in_sensor(Stuck, "", value=0.0),

@@ -24,7 +24,7 @@ class EquivalentFeed:
         self.felt: NDArray[np.float32] = np.zeros(7, np.float32)
         self._device = device
         self._buffer = bytearray(LENGTH)
-        self._bytes = memoryview(self.felt).cast("B")
+        self._bytes = self.felt.data.cast("B")
         if device is not None:
             self.felt[0] = 1.0
 

@@ -54,7 +54,7 @@ def filter_config(settings: Settings, installation: Mapping[str, Any]) -> Filter
         method=settings.method,
         declination=math.radians(settings.declination_deg),
     )
-    begun = {
+    begun: dict[str, Any] = {
         "sigma_position": 15.0,
         "sigma_velocity": 0.5,
         "sigma_tilt": 0.5 * DEG,

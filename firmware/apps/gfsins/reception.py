@@ -48,7 +48,7 @@ class Reception:
         self._open_cost = io.cpu.cost("open_packet")
         self._ring = bytearray(RING)
         self._data = np.zeros(pk.BYTES, np.uint8)
-        self._view = memoryview(self._data)
+        self._view = self._data.data
         self._taken = 0
         self._sequence = -1
         self._fpga_us = 0

@@ -11,6 +11,7 @@ from hal.emulated.faults.can import CanDisturbance
 from hal.emulated.faults.chance import BitErrors
 from hal.emulated.faults.fault import Fault
 from hal.emulated.faults.i2c import I2cBitErrors, I2cClockStretch, I2cFault, I2cNack, I2cStuckLine
+from hal.emulated.faults.packets import PacketBitErrors, PacketFault, PacketLoss, PacketWordSlip
 from hal.emulated.faults.pins import PinStuck
 from hal.emulated.faults.spi import (
     SpiBitErrors,
@@ -45,6 +46,10 @@ __all__ = [
     "I2cFault",
     "I2cNack",
     "I2cStuckLine",
+    "PacketBitErrors",
+    "PacketFault",
+    "PacketLoss",
+    "PacketWordSlip",
     "PinStuck",
     "SpiBitErrors",
     "SpiByteSlips",
