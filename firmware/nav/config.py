@@ -184,6 +184,10 @@ class NavConfig:
     """Without a good sample for so long, the state goes on by velocity."""
     stuck_time: float = 0.5
     """Six readings unchanged for so long while moving are no measurement."""
+    repeat_rate: float = 0.0
+    """rad/s between readings of one unchanged rate: a sensor that carries its rounding on toggles."""
+    repeat_force: float = 0.0
+    """The same of the force, m/s²."""
     check_period: float = 0.5
     """How often the whole state is looked over, and Earth and gravity refreshed."""
     uncertain_position: float = 100.0
@@ -294,6 +298,8 @@ def _floats(c: NavConfig) -> dict[int, Any]:
         cfg.HEADING_CHECK_SPEED: c.heading_check_speed,
         cfg.HEADING_ERROR_LIMIT: c.heading_error_limit,
         cfg.UNCERTAIN_SQUARE: c.uncertain_position**2,
+        cfg.REPEAT_RATE: c.repeat_rate,
+        cfg.REPEAT_FORCE: c.repeat_force,
         cfg.POSITION_WALK_VARIANCE: c.position_walk**2,
         cfg.GYRO_PER_KELVIN_VARIANCE: c.gyro_bias_per_kelvin**2,
         cfg.TEMPERATURE_STEP: c.temperature_step,
@@ -342,7 +348,7 @@ _MAY_BE_ZERO = {
     "latency_sigma", "latency_nominal", "initial_yaw", "gyro_bias_walk", "accel_bias_walk",
     "manoeuvre_noise", "position_walk", "gyro_bias_per_kelvin", "gyro_instability_sigma",
     "misalignment_sigma", "scale_sigma", "course_noise", "velocity_lag", "time_tag_noise",
-    "constraint_turn_noise",
+    "constraint_turn_noise", "repeat_rate", "repeat_force",
     "rest_gyro_sigma", "epochs_after_time_jump", "gyro_bias_sigma", "position_error_sigma", "mounting_sigma",
 }  # fmt: skip
 

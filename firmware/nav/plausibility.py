@@ -11,7 +11,9 @@ import numpy as np
 
 from firmware.nav import layout as at
 from firmware.nav import tuning as cfg
+from firmware.nav.dead_time import lose
 from firmware.nav.flags import IMU_NOT_FINITE, IMU_SATURATED, IMU_STUCK, NAVIGATING, report
+from firmware.nav.history import seconds_between
 from firmware.numerics.dialect import kernel
 
 ONE = np.float32(1.0)
@@ -34,12 +36,18 @@ def is_plausible(f, i, wx, wy, wz, ax, ay, az):
         report(i, IMU_SATURATED)
         return False
     r = at.RAW
-    same = wx == f[r] and wy == f[r + 1] and wz == f[r + 2]
-    if same and ax == f[r + 3] and ay == f[r + 4] and az == f[r + 5]:
+    rate_toggle = f[cfg.REPEAT_RATE]
+    force_toggle = f[cfg.REPEAT_FORCE]
+    same = _repeats(wx, f[r], rate_toggle) and _repeats(wy, f[r + 1], rate_toggle)
+    same = same and _repeats(wz, f[r + 2], rate_toggle) and _repeats(ax, f[r + 3], force_toggle)
+    if same and _repeats(ay, f[r + 4], force_toggle) and _repeats(az, f[r + 5], force_toggle):
         i[at.UNCHANGED] += 1
         if i[at.UNCHANGED] >= i[cfg.STUCK_SAMPLES]:
             report(i, IMU_STUCK)
-            return _may_repeat(f, i)
+            if _may_repeat(f, i):
+                return True
+            _count_repeats_as_dead(f, i)
+            return False
         return True
     i[at.UNCHANGED] = 0
     if _is_axis_stuck(f, i, wx, wy, wz, ax, ay, az):
@@ -55,16 +63,24 @@ def is_plausible(f, i, wx, wy, wz, ax, ay, az):
 
 
 @kernel
+def _repeats(reading, before, toggle):
+    """Whether this is the reading before, but for the last digit of a sensor that carries its rounding on."""
+    return abs(reading - before) <= toggle
+
+
+@kernel
 def _is_axis_stuck(f, i, wx, wy, wz, ax, ay, az):
     """Count repeats of each axis; whether one of them has stuck while the others went on."""
     r = at.RAW
     n = at.AXIS_REPEATS
-    f[n] = f[n] + ONE if wx == f[r] else ZERO
-    f[n + 1] = f[n + 1] + ONE if wy == f[r + 1] else ZERO
-    f[n + 2] = f[n + 2] + ONE if wz == f[r + 2] else ZERO
-    f[n + 3] = f[n + 3] + ONE if ax == f[r + 3] else ZERO
-    f[n + 4] = f[n + 4] + ONE if ay == f[r + 4] else ZERO
-    f[n + 5] = f[n + 5] + ONE if az == f[r + 5] else ZERO
+    rate_toggle = f[cfg.REPEAT_RATE]
+    force_toggle = f[cfg.REPEAT_FORCE]
+    f[n] = f[n] + ONE if _repeats(wx, f[r], rate_toggle) else ZERO
+    f[n + 1] = f[n + 1] + ONE if _repeats(wy, f[r + 1], rate_toggle) else ZERO
+    f[n + 2] = f[n + 2] + ONE if _repeats(wz, f[r + 2], rate_toggle) else ZERO
+    f[n + 3] = f[n + 3] + ONE if _repeats(ax, f[r + 3], force_toggle) else ZERO
+    f[n + 4] = f[n + 4] + ONE if _repeats(ay, f[r + 4], force_toggle) else ZERO
+    f[n + 5] = f[n + 5] + ONE if _repeats(az, f[r + 5], force_toggle) else ZERO
     longest = ZERO
     for k in range(AXES):
         longest = max(longest, f[n + k])
@@ -87,6 +103,15 @@ def _may_repeat(f, i):
         return True
     contradicted = i[at.VELOCITY_REFUSED_SINCE] != at.NEVER
     return (i[at.SENSOR_REPEATS] != 0 and not contradicted) or not _is_moving(f, i)
+
+
+@kernel
+def _count_repeats_as_dead(f, i):
+    """Once, when repeats are found to be false: what was made of them since they began is dead time, too."""
+    if i[at.MODE] == NAVIGATING and i[at.GOOD_SAMPLE_TIME] == i[at.TIME]:
+        repeats_ns = i[cfg.STUCK_SAMPLES] * i[cfg.PERIOD_NS]
+        i[at.GOOD_SAMPLE_TIME] -= repeats_ns
+        lose(f, i, ZERO, seconds_between(i[at.GOOD_SAMPLE_TIME], i[at.TIME]))
 
 
 @kernel

@@ -13,6 +13,9 @@ wrong too, if the start was or a gyro is; then the refused headings agree with o
     by more than 90 degrees      never; but when the velocity has been refused for some seconds as well, two
                                  stand against one: alignment begins anew
 
+A gyro that runs away makes a row of refused headings that do not agree with one another. When heading and
+velocity have both been refused for `TEN_SECONDS` without a break, alignment begins anew as well.
+
 A course serves modulo 180 degrees, as a vehicle may drive backwards; it cannot speak for a flipped baseline.
 """
 
@@ -38,6 +41,7 @@ MILLI = np.float32(1.0e-3)
 ENOUGH_WITNESSED = np.int64(10)
 TEN = np.int64(10)
 SOME_SECONDS = np.int64(4_000_000_000)
+TEN_SECONDS = np.int64(10_000_000_000)
 
 
 @kernel
@@ -79,6 +83,9 @@ def note_refusal(f, i, e, time, residual, variance):
     since = i[at.VELOCITY_REFUSED_SINCE]
     if since != at.NEVER and time - since >= SOME_SECONDS:
         i[ref.VELOCITY_TOO] = 1
+    if since != at.NEVER and time - max(since, i[ref.LAST_USED + ref.HEADING]) >= TEN_SECONDS:
+        _align_again(f, i)
+        return
     _hear_course(f, i, e)
     lasted = time - i[ref.REFUSED_SINCE]
     if lasted >= i[ref.REJOIN_NS]:
@@ -116,9 +123,7 @@ def _as_line(angle):
 def _decide(f, i, flipped, very_long):
     if flipped:
         if i[ref.VELOCITY_TOO] != 0:
-            report(i, REALIGNED)
-            forget_refusals(i)
-            begin_levelling(f, i)
+            _align_again(f, i)
         return
     witnessed = i[ref.WITNESSED] >= ENOUGH_WITNESSED
     outvoted = witnessed and f[ref.AGAINST_REFERENCE] < QUARTER * f[ref.AGAINST_INERTIAL]
@@ -127,3 +132,11 @@ def _decide(f, i, flipped, very_long):
         add_variance(f, at.X_ATTITUDE + 2, mean * mean)
         report(i, REJOINED)
         forget_refusals(i)
+
+
+@kernel
+def _align_again(f, i):
+    """The receiver's heading and its velocity stand against the inertial solution."""
+    report(i, REALIGNED)
+    forget_refusals(i)
+    begin_levelling(f, i)

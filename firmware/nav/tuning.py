@@ -82,6 +82,8 @@ GYRO_VARIANCE = at.CONFIG + 88
 """Of the gyro bias as delivered; 0: not known."""
 POSITION_ERROR_WEIGHT = at.CONFIG + 89
 """s: the receiver's correlated error is no state, it counts once in such a time; 0: it is a state."""
+REPEAT_RATE = at.CONFIG + 90
+REPEAT_FORCE = at.CONFIG + 91
 
 # --- i ---
 TWO_SAMPLE = at.SWITCHES

@@ -26,6 +26,10 @@ ALL_OF_ATTITUDE = ~(
 RATE_LIMIT = math.radians(500.0)
 ACCEL_LIMIT = 30.0 * 9.80665
 """Ranges of the unit."""
+REPEAT_RATE = 1.0e-6
+REPEAT_FORCE = 4.0e-6
+"""rad/s, m/s²: five and two units of an increment. The unit carries rounding on, so that one unchanged rate
+comes as two numbers in turn, which float32 rounds again; noise is 200 and 1,200 units."""
 
 
 class NavigationKernels(StateKernels):
@@ -87,6 +91,8 @@ def nav_config(settings: Settings, installation: Mapping[str, Any]) -> NavConfig
         two_sample=False,  # the unit's samples are means over their periods
         rate_limit=RATE_LIMIT,
         accel_limit=ACCEL_LIMIT,
+        repeat_rate=REPEAT_RATE,
+        repeat_force=REPEAT_FORCE,
     )
 
 
