@@ -2,8 +2,8 @@
 
 The common access, the six data bytes in bypass mode, is cut out of the sampler's block image: one slice
 while the sample is still the newest, one search when it is not. The same burst takes a sample out of the
-FIFO without further ado while only output samples change anything. Everything else takes the general way
-(`bus_side`).
+FIFO without further ado while only output samples change anything, and FIFO_STATUS is told likewise.
+Everything else takes the general way (`bus_side`).
 
 Events exist only while somebody follows a pin on which the firmware has put an enabled source. For data
 ready alone, the usual case, that is one event a sample; the others are foreseen, and one event comes when
@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 
-from boards.chips.adxl345.bus_side import CS_HIGH_NS, BusSide, PinNet
+from boards.chips.adxl345.bus_side import CS_HIGH_NS, FASTEST_BYTE_NS, BusSide, PinNet
 from boards.chips.adxl345.fifo import BYPASS, POP_NS
 from boards.chips.adxl345.register_map import (
     DATA,
@@ -34,6 +34,9 @@ from hal.emulated.virtual_time import Event, VirtualTime
 
 _BURST = 0xF2
 """Read, several bytes, from DATAX0 on."""
+_STATUS = 0xB9
+"""Read FIFO_STATUS."""
+_SHORTEST_STATUS_NS = 2 * FASTEST_BYTE_NS
 _PIN_NAMES = ("INT1", "INT2")
 
 
@@ -115,6 +118,8 @@ class Adxl345(BusSide):
             or end_ns - start_ns != self._vetted
             or (start_ns < self._ready_ns and start_ns != self._ended_ns)
         ):
+            if len(mosi) == 2 and mosi[0] == _STATUS:
+                return self._tell_status(mosi, start_ns, end_ns)
             return self._transaction(mosi, start_ns, end_ns)
         if start_ns >= self._fast_to:
             frame = self._pop(start_ns, end_ns)
@@ -132,6 +137,26 @@ class Adxl345(BusSide):
             self._asserted = False
             self._net.set(not self._active)  # type: ignore[union-attr]
         return self._frame
+
+    def _tell_status(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
+        """FIFO_STATUS, in the usual case without further ado: it changes nothing. A read of the data that
+        kept all rules has shown that the chip drives the wire."""
+        core = self._core
+        now = start_ns + (end_ns - start_ns) // 2
+        if (
+            not self._fifo_way
+            or not self._vetted
+            or end_ns - start_ns < _SHORTEST_STATUS_NS
+            or start_ns < self._ready_ns
+            or core.fifo.settling(now)
+        ):
+            return self._transaction(mosi, start_ns, end_ns)
+        self._ended_ns = end_ns
+        self._ready_ns = end_ns + CS_HIGH_NS
+        if start_ns >= self._next_ns:
+            core.advance(start_ns)
+            self._next_ns = core.next_sample_ns
+        return bytes((0, core.fifo.status(now)))
 
     def _pop(self, start_ns: int, end_ns: int) -> bytes | None:
         """The same read where it takes a sample out of the FIFO; None when there is more to it.
