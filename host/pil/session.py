@@ -20,7 +20,7 @@ from host.pil.monitor_link import MonitorLink, open_port
 from host.pil.navigation_parts import parts_after, ticks_of_parts
 from host.pil.qemu import emulated_board, instructions
 from host.pil.stand_alone import kernel_name, stand_alone_of
-from host.pil.toolchain import EMULATOR, version_of
+from host.pil.toolchain import COMPILER, EMULATOR, check_tools
 from host.pil.unit_trials import run_trials, unit_kernels
 from host.record.result import RunRequest
 from host.run.readiness import make_ready, prepared, user_errors
@@ -106,9 +106,8 @@ def _own_loop(name: str, setup: Setup) -> StandAlone | None:
 
 def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
     """Run twin and processor beside each other. Raises UserError for what the user can mend."""
-    if request.port is None:
-        version_of(EMULATOR)
     setup, world = prepared(request.run)
+    check_tools(COMPILER, *([EMULATOR] if request.port is None else []))
     kernels, loop = _kernels(request, setup, world)
     notice("building the image (a minute when the kernels are new) …")
     image = build_image(kernels, request.planted, loop=loop)

@@ -20,7 +20,7 @@ from host.pil.image import BAUD, Image
 from host.pil.qemu import emulated_board
 from host.pil.session import image_of
 from host.pil.stand_alone import stand_alone_of
-from host.pil.toolchain import COMPILER, EMULATOR, version_of
+from host.pil.toolchain import COMPILER, EMULATOR, check_tools
 from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.run.readiness import prepared
@@ -66,15 +66,13 @@ class StandAloneResult:
 
 def run_stand_alone(request: RunRequest, port: str | None, notice: Callable[[str], None]) -> StandAloneResult:
     """Run the twin, then the image on what the twin's navigation took in. Raises UserError."""
-    version_of(COMPILER)
-    if port is None:
-        version_of(EMULATOR)
     setup, _ = prepared(request)
     if stand_alone_of(setup.board, setup.profile) is None:
         raise UserError(
             f"board {setup.board.name}: its program has no module stand_alone that an image could navigate"
             " with by itself; for example navtwin pil car_mems --stand-alone"
         )
+    check_tools(COMPILER, *([EMULATOR] if port is None else []))
     notice("building the image (a minute when the kernels are new) …")
     image = image_of(request, as_asked=True)
     inputs = _inputs_of_run(request)

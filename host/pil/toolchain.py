@@ -24,10 +24,25 @@ COMPILER = Tool("arm-none-eabi-gcc", "gcc-arm-none-eabi libnewlib-arm-none-eabi"
 EMULATOR = Tool("qemu-system-arm", "qemu-system-arm", range(6, 12))
 
 
+def check_tools(*tools: Tool) -> None:
+    """Raises UserError when one is missing, too old or too new; all that are missing in one message."""
+    _check_installed(*tools)
+    for tool in tools:
+        version_of(tool)
+
+
+def _check_installed(*tools: Tool) -> None:
+    missing = [tool for tool in tools if shutil.which(tool.program) is None]
+    if missing:
+        programs = " and ".join(tool.program for tool in missing)
+        packages = " ".join(tool.packages for tool in missing)
+        verb = "is" if len(missing) == 1 else "are"
+        raise UserError(f"{programs} {verb} not installed; on Debian and Ubuntu: apt install {packages}")
+
+
 def version_of(tool: Tool) -> str:
     """The version, e.g. "12.2.1". Raises UserError when the tool is missing, too old or too new."""
-    if shutil.which(tool.program) is None:
-        raise UserError(f"{tool.program} is not installed; on Debian and Ubuntu: apt install {tool.packages}")
+    _check_installed(tool)
     text = _output([tool.program, "--version"])
     found = re.search(r"\b(\d+)\.\d+(?:\.\d+)*\b", re.sub(r"\([^)]*\)", "", text.partition("\n")[0]))
     if found is None or int(found[1]) not in tool.versions:
@@ -48,8 +63,14 @@ def check_library() -> None:
 
 
 def run_tool(*command: str | Path) -> str:
-    """Standard output of a tool; RuntimeError with its messages when it fails, which is a defect of ours."""
-    done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+    """Standard output of a tool of the compiler. RuntimeError with its messages when it fails, which is a
+    defect of ours; UserError when it is missing."""
+    try:
+        done = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
+    except FileNotFoundError:
+        raise UserError(
+            f"{command[0]} is not installed; on Debian and Ubuntu: apt install binutils-arm-none-eabi"
+        ) from None
     if done.returncode != 0:
         raise RuntimeError(f"{command[0]} failed:\n{done.stderr.strip()}")
     return done.stdout

@@ -4,6 +4,8 @@ import pytest
 from typer.testing import CliRunner
 
 from host.cli.main import app
+from host.pil.toolchain import run_tool
+from host.record.errors import UserError
 
 WRONG = {
     "--steps 0": ["pil", "uav_ahrs", "--steps", "0"],
@@ -24,12 +26,29 @@ def test_a_wrong_option_is_one_message(message, capfd):
     assert len(told.strip().splitlines()) == 1
 
 
-@pytest.mark.parametrize(
-    ("command", "package"),
-    [(["pil", "uav_ahrs"], "qemu-system-arm"), (["build", "uav_ahrs"], "gcc-arm-none-eabi")],
-)
-def test_a_missing_tool_is_named_with_its_package(command, package, monkeypatch, capfd, tmp_path):
+COMPILER = "apt install gcc-arm-none-eabi libnewlib-arm-none-eabi"
+NO_TOOLS = {
+    f"{COMPILER} qemu-system-arm\n": ["pil", "uav_ahrs"],
+    f"{COMPILER}\n": ["build", "uav_ahrs"],
+    "no board 'nothing'": ["pil", "nothing"],
+    "has no module stand_alone": ["pil", "uav_ahrs", "--stand-alone"],
+    "computes in float64": ["build", "uav_ahrs", "--profile", "float64"],
+}
+
+
+@pytest.mark.parametrize("message", NO_TOOLS)
+def test_missing_tools_are_named_with_their_packages_once_the_request_makes_sense(
+    message, monkeypatch, capfd, tmp_path
+):
     monkeypatch.setenv("PATH", str(tmp_path))
-    result = CliRunner().invoke(app, command)
+    result = CliRunner().invoke(app, NO_TOOLS[message])
+    told = capfd.readouterr().err + result.stderr
     assert result.exit_code == 2
-    assert f"apt install {package}" in capfd.readouterr().err + result.stderr
+    assert message in told
+    assert len(told.strip().splitlines()) == 1
+
+
+def test_a_tool_missing_behind_the_compiler_is_named_with_its_package(monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(UserError, match="apt install binutils-arm-none-eabi"):
+        run_tool("arm-none-eabi-objcopy", "--version")
