@@ -4,7 +4,7 @@ python -m host.bench               speed, shares and start-up: about five minute
 python -m host.bench --memory      also a run of ten hours beside one of one hour
 python -m host.bench --campaign N  only N runs of ten minutes on two workers beside one process
 python -m host.bench --chips       only what a read costs through driver, bus and chip model
-python -m host.bench --board NAME  only the speed of another board (uav_ahrs, dual_antenna)
+python -m host.bench --board NAME  only the speed of another board (uav_ahrs, dual_antenna, gfsins)
 python -m host.bench --bytecodes   only byte codes a tick by function, the same on a busy machine
 python -m host.bench --json FILE   the figures as JSON ("-": standard output)
 """
@@ -27,7 +27,7 @@ WANTED = {
     "help_s": 0.4,
     "start_s": 1.5,
 }
-WANTED_OF_BOARD = {"car_mems": 1440.0, "uav_ahrs": 400.0, "dual_antenna": 200.0}
+WANTED_OF_BOARD = {"car_mems": 1440.0, "uav_ahrs": 400.0, "dual_antenna": 200.0, "gfsins": 200.0}
 HOUR_S = 3600.0
 LEAST_BYTECODES = 0.5
 """A tick; functions with fewer are not listed."""
@@ -103,6 +103,7 @@ def _show_board(board: str, figures: dict[str, Any]) -> None:
     console = Console()
     console.print(table)
     console.print(_where(figures))
+    console.print(f"engine: {figures['engine']}")
 
 
 def _show_bytecodes() -> None:
@@ -136,6 +137,7 @@ def _show(figures: dict[str, Any]) -> None:
     console = Console()
     console.print(table)
     console.print(_where(figures))
+    console.print(f"engine: {figures['engine']}")
 
 
 def _where(figures: dict[str, Any]) -> Any:
