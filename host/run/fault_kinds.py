@@ -37,7 +37,7 @@ Defaults and meaning stand in docs/scenarios.md. What the simulated receiver its
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from boards.sense import Defect, Drift, Frozen, Saturated, Stuck
@@ -258,22 +258,26 @@ def _put_clock_off(site: Site) -> Effect:
         raise ValueError(f"parameters.ppm = {ppm}; it must lie in −100000 … 100000, e.g. 20000.0")
     description = site.board.description.chips.get(site.fault.target)
     if description is not None and description.uart is not None:
-        return _put_line_off(site, description.uart, ppm)
-    chip = _able(site, "set_clock_error")
+        return _put_line_off(site, description.uart, description.parameters, ppm)
     assert description is not None
+    chip = _able(site, "set_clock_error")
     own = float(description.parameters.get("clock_error_ppm", 0.0))
     return _once(site, lambda: chip.set_clock_error(own + ppm), lambda: chip.set_clock_error(own))
 
 
-def _put_line_off(site: Site, uart: str, ppm: float) -> Effect:
-    """What a chip on a serial line has of its clock is the bit rate."""
+def _put_line_off(site: Site, uart: str, parameters: Mapping[str, Any], ppm: float) -> Effect:
+    """A chip on a serial line has its bit rate of its clock, and its samples, if it takes any by itself."""
     wire = site.board.to_board[uart]
+    own = float(parameters.get("clock_error_ppm", 0.0))
+    sampling = getattr(site.board.chips[site.fault.target], "set_clock_error", lambda _ppm: None)
 
     def begin() -> None:
         wire.forced_baud = round(wire.baud * (1.0 + ppm * 1e-6))
+        sampling(own + ppm)
 
     def end() -> None:
         wire.forced_baud = None
+        sampling(own)
 
     return _once(site, begin, end)
 

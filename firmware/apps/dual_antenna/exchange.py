@@ -57,9 +57,9 @@ class Exchange:
         return int(self._sample[fr.STATUS])
 
     @property
-    def lost(self) -> int:
-        """Samples missing before the latest one, by its counter."""
-        return int(self._sample[fr.MISSED])
+    def counted(self) -> tuple[int, int]:
+        """Counter and time of the latest sample."""
+        return int(self._sample[fr.COUNTER]), int(self._sample[fr.END_NS])
 
     def begin(self, send: Callable[[], None]) -> None:
         """Take what comes from now on; `send` is the output task."""

@@ -27,8 +27,9 @@ class HostLine:
         self._memory.interrupt_on_ring(self._line)
 
     def drain(self) -> None:
-        """Also from the background: the port may have room again."""
-        self._line.pend()
+        """From the background: the port may have room again for what is left. What is new calls by itself."""
+        if self._taken != self._announced and self._memory.rung() == self._announced:
+            self._line.pend()
 
     def _on_ring(self) -> None:
         self._announced = self._memory.rung()

@@ -9,8 +9,10 @@ import math
 
 from firmware.apps.dual_antenna.exchange import Exchange
 from firmware.apps.dual_antenna.front_end_news import FrontEndNews
+from firmware.apps.dual_antenna.imu_clock import ImuClock
 from firmware.apps.dual_antenna.navigation import Navigation
 from firmware.apps.gnss_ins.output import Output
+from firmware.apps.gnss_ins.pulse_watch import PulseWatch
 from firmware.drivers import serial_imu_frames as fr
 from firmware.nav import flags as fl
 from firmware.nav import reference_report as report
@@ -60,6 +62,8 @@ class Words:
         self._counts: dict[str, int] = {}
         self._said_ns: dict[str, int] = {}
         self._compass_said_ns = 0
+        self._imu_clock = ImuClock(exchange, output)
+        self._pulse = PulseWatch(news, output)
 
     @property
     def imu_is_silent(self) -> bool:
@@ -73,6 +77,8 @@ class Words:
         self._look_at_imu()
         self._look_at_line(now_ns)
         self._look_at_attitude(now_ns)
+        self._imu_clock.look()
+        self._pulse.look()
 
     def _look_at_front_end(self) -> None:
         if self._exchange.restarts != self._restarts:
