@@ -99,7 +99,8 @@ def test_field_along_a_flight_is_the_model_turned_into_the_body(tmp_path: Path) 
             found.z * np.cos(pitch) + ahead * np.sin(pitch),
         )
         worst = max(worst, float(np.max(np.abs(felt - expected))))
-    assert np.degrees(imu["longitude"][-1]) > 180.5  # it did cross
+    assert np.degrees(imu["longitude"][0]) > 178.0  # it did cross
+    assert np.degrees(imu["longitude"][-1]) < -179.0
     assert worst < 0.1
 
 
