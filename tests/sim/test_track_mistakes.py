@@ -73,6 +73,17 @@ def inverse(folder: Path, name: str, content: bytes, *more: str) -> Result:
             b"$GPGGA,080000.00,4799.0,N,00800.000,E,1,08,1.0,400.0,M,47.0,M,,*61\r\n",
             "line 1: GGA that cannot",
         ),
+        (
+            "a.nmea",
+            b"$GPGGA,080000.00,4700.0,X,00800.000,E,1,08,1.0,400.0,M,47.0,M,,*77\r\n",
+            "line 1: GGA that cannot",
+        ),
+        (
+            "a.nmea",
+            b"$GPGGA,240000.00,4700.0,N,00800.000,E,1,08,1.0,400.0,M,47.0,M,,*6F\r\n",
+            "line 1: GGA that cannot",
+        ),
+        ("a.csv", table(HEAD, "inf", "47", "8", "5"), "line 2: the time is"),
         ("a.gpx", b'<?xml version="1.0" encoding="martian"?><gpx/>', "unknown encoding: martian"),
         ("a.kml", b'<?xml version="1.0" encoding="utf-7"?><kml/>', "is not valid XML: multi-byte encodings"),
         ("a.npz", b"", "is not what navtwin simulate writes"),
@@ -111,3 +122,19 @@ def test_a_line_over_the_date_line_is_no_way_round_the_earth(tmp_path: Path) -> 
     result = inverse(tmp_path, "a.kml", content, "--speed", "10", "--json", "-", "-q")
     assert result.exit_code == 0, result.output
     assert json.loads(result.stdout)["duration_s"] == pytest.approx(4 * 109.64 / 10.0, abs=0.1)
+
+
+@pytest.mark.parametrize("unit", ["t_s", "t_ns"])
+def test_times_from_1970_lose_no_digit(tmp_path: Path, unit: str) -> None:
+    """200 points a second at 300 m/s straight on: the quarter of a microsecond that a float64 of such a time
+    leaves out would be some m/s² of force."""
+    texts = [f"{1_715_673_600_000_000_000 + 5_000_000 * k}" for k in range(400)]
+    if unit == "t_s":
+        texts = [f"{text[:-9]}.{text[-9:]}" for text in texts]
+    rows = [f"{text},10,{8 + 1e-5 * k:.9f},1000" for k, text in enumerate(texts)]
+    (tmp_path / "a.csv").write_text(f"{unit},lat,lon,alt\n" + "\n".join(rows) + "\n")
+    made = tmp_path / "a.npz"
+    result = CliRunner().invoke(app, ["inverse", str(tmp_path / "a.csv"), "-o", str(made), "-q"])
+    assert result.exit_code == 0, result.output
+    force = np.load(made)["imu"]["dv"] / 5e-3
+    assert np.ptp(force[100:-100, 0]) < 0.05

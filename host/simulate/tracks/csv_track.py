@@ -16,6 +16,7 @@ import csv
 import math
 from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime
+from decimal import Decimal, InvalidOperation
 from pathlib import Path
 from typing import TextIO
 
@@ -68,17 +69,45 @@ def read_csv(path: Path) -> tuple[Track, list[int]]:
         columns = _columns(path, header)
         rows: list[list[float]] = []
         lines: list[int] = []
-        start: datetime | None = None
+        clock: Clock | None = None
         for line, row in table_rows:
             if len(row) < len(header) or any(cell.strip() for cell in row[len(header) :]):
                 raise UserError(f"{path}: line {line}: {len(row)} values, the header has {len(header)}")
-            if start is None and columns["time"][1] == 1.0:
-                start = _moment(row[columns["time"][0]])
-            rows.append([_value(path, line, name, row, columns, start) for name in columns])
+            if clock is None:
+                place, unit_s = columns["time"]
+                clock = Clock(row[place].strip(), unit_s)
+            rows.append([_value(path, line, name, row, columns, clock) for name in columns])
             lines.append(line)
     table = np.array(rows, dtype=np.float64).reshape(-1, len(columns))
     named = {name: table[:, k] for k, name in enumerate(columns)}
-    return checked(_track(named, start), str(path), lambda k: f"line {lines[k]}"), lines
+    begin = None if clock is None else clock.start
+    return checked(_track(named, begin), str(path), lambda k: f"line {lines[k]}"), lines
+
+
+class Clock:
+    """Times since that of the first row, in which no digit is lost when they count from 1970."""
+
+    def __init__(self, first: str, unit_s: float) -> None:
+        self.start = _moment(first) if unit_s == 1.0 else None
+        """When the first row tells its date."""
+        self._unit_s = unit_s
+        self._first = first
+
+    def seconds(self, text: str) -> float:
+        """ValueError for what is no time like the first."""
+        if self.start is not None:
+            moment = _moment(text)
+            if moment is None:
+                raise ValueError("is not ISO 8601, as that of the first line is")
+            return (moment - self.start).total_seconds()
+        try:
+            return float(Decimal(text) - Decimal(self._first)) * self._unit_s
+        except InvalidOperation:
+            pass
+        try:
+            return float(text)  # not finite
+        except ValueError:
+            raise ValueError("is not a number; for example 12.5") from None
 
 
 def _rows(path: Path, file: TextIO) -> Iterator[tuple[int, list[str]]]:
@@ -134,17 +163,15 @@ def _value(
     name: str,
     row: list[str],
     columns: Mapping[str, tuple[int, float]],
-    start: datetime | None,
+    clock: Clock,
 ) -> float:
     place, factor = columns[name]
     text = row[place].strip()
-    if name == "time" and start is not None:
-        moment = _moment(text)
-        if moment is None:
-            raise UserError(
-                f"{path}: line {line}: time {text!r} is not ISO 8601, as that of the first line is"
-            )
-        return (moment - start).total_seconds()
+    if name == "time":
+        try:
+            return clock.seconds(text)
+        except ValueError as error:
+            raise UserError(f"{path}: line {line}: time {text!r} {error}") from None
     try:
         return float(text) * factor
     except ValueError:
@@ -169,7 +196,7 @@ def _track(named: Mapping[str, Floats], start: datetime | None) -> Track:
     t = named["time"]
     place = (named["latitude"], named["longitude"], named["height"])
     begin = None if start is None else gps_ns(start)
-    return Track(t - t[:1].sum(), *place, velocity, attitude, begin, unused=unused)
+    return Track(t, *place, velocity, attitude, begin, unused=unused)
 
 
 def _together(named: Mapping[str, Floats], names: tuple[str, str, str]) -> Floats | None:

@@ -14,6 +14,7 @@ from host.simulate.tracks.clock import gps_ns
 from host.simulate.tracks.track import Track, checked
 
 HALF_DAY_S = 43200.0
+NORTH, EAST = {"N": 1.0, "S": -1.0}, {"E": 1.0, "W": -1.0}
 
 
 def read_nmea(path: Path) -> tuple[Track, list[int]]:
@@ -69,11 +70,14 @@ def _epoch(path: Path, line: int, fields: list[str]) -> tuple[float, float, floa
     """Second of the day, latitude °, longitude °, ellipsoidal height m."""
     try:
         clock = fields[1]
-        second = int(clock[:2]) * 3600 + int(clock[2:4]) * 60 + _sixty(clock[4:])
-        latitude = (int(fields[2][:2]) + _sixty(fields[2][2:]) / 60.0) * (-1.0 if fields[3] == "S" else 1.0)
-        longitude = (int(fields[4][:3]) + _sixty(fields[4][3:]) / 60.0) * (-1.0 if fields[5] == "W" else 1.0)
+        hour, minute = int(clock[:2]), int(clock[2:4])
+        if not (0 <= hour < 24 and 0 <= minute < 60):
+            raise ValueError
+        second = hour * 3600 + minute * 60 + _sixty(clock[4:])
+        latitude = (int(fields[2][:2]) + _sixty(fields[2][2:]) / 60.0) * NORTH[fields[3]]
+        longitude = (int(fields[4][:3]) + _sixty(fields[4][3:]) / 60.0) * EAST[fields[5]]
         return second, latitude, longitude, float(fields[9]) + float(fields[11] or 0.0)
-    except ValueError:
+    except (ValueError, KeyError):
         raise UserError(f"{path}: line {line}: GGA that cannot be read: {','.join(fields)}") from None
 
 
