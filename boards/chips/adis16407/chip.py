@@ -23,7 +23,6 @@ from boards.chips.world import TenDofWorld
 from hal.emulated.virtual_time import SECOND, VirtualTime
 
 BURST = bytes((GLOB_CMD,)) + bytes(29)
-BURST_WORDS = 1 + len(OUTPUTS)
 FASTEST_HZ, FASTEST_BURST_HZ, FASTEST_SLOW_HZ = 2_000_000, 1_000_000, 300_000
 STALL_NS, SLOW_STALL_NS = 9_000, 75_000
 NOTHING = b"\x00\x00"

@@ -11,8 +11,6 @@ CLASS_INF = 0x04
 CLASS_ACK = 0x05
 CLASS_CFG = 0x06
 CLASS_MON = 0x0A
-CLASS_NMEA = 0xF0
-CLASS_PUBX = 0xF1
 
 
 def fletcher(data: bytes | bytearray) -> bytes:

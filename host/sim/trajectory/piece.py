@@ -17,8 +17,6 @@ WAVE_TERMS = 6
 SMOOTHSTEP = (0.0, 0.0, 0.0, 10.0, -15.0, 6.0)
 """10x³ − 15x⁴ + 6x⁵ rises from 0 to 1 with two zero derivatives at both ends."""
 
-SMOOTHSTEP_STEEPEST = 1.875
-
 
 @dataclass(frozen=True, slots=True)
 class Piece:
