@@ -25,6 +25,13 @@ def test_road_within_its_limits() -> None:
     assert metrics["pitch_rms_deg"] <= 0.03
 
 
+def test_the_covariance_is_honest() -> None:
+    """NEES of position, velocity and attitude: nine where errors are as large as claimed."""
+    metrics = drive("road", SHORT).result.metrics
+    assert 4.5 < metrics["nees_mean"] < 18.0
+    assert metrics["roll_rms_deg"] < 0.004, "half a period of lag makes 0.0045"
+
+
 def test_fused_heading_is_better_than_the_receiver_s() -> None:
     own = receiver_heading_rms("road", 1)
     assert own == pytest.approx(np.hypot(0.08, 0.06), rel=0.1), "white and slow part of a 2 m baseline"
