@@ -105,3 +105,10 @@ def test_a_reset_of_the_dsp_begins_anew_while_the_fpga_runs() -> None:
     assert driven.worst("error_north_m", 77.0, 80.0) < 25.0
     resets = {cpu.name: cpu.resets for cpu in driven.result.cpu}
     assert resets == {"fpga": 1, "dsp": 1}
+
+
+def test_an_accelerometer_that_is_turned_is_told_and_nothing_is_navigated() -> None:
+    turned = "board.chips.U3.mounting=[[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]"
+    driven = drive("static", "adxl345", "duration_s=14", turned)
+    assert driven.said("accelerometers swapped or turned: A3") < 12.0
+    assert not (driven.column("mode") >= 3).any()
