@@ -18,6 +18,7 @@ from boards.validation import DescriptionError
 from firmware.apps.dual_antenna import memory_map as at
 from firmware.apps.dual_antenna.host_line import HostLine
 from firmware.apps.dual_antenna.host_port import HostPort
+from firmware.apps.dual_antenna.navigation import nav_config
 from firmware.apps.dual_antenna.settings import Settings
 from hal.emulated.pins import Net
 from hal.emulated.virtual_time import SECOND, VirtualTime
@@ -230,6 +231,21 @@ def test_wrong_interconnects_are_told(edit: dict[str, Any], words: str) -> None:
     message = broken(edit)
     assert re.search(words, message), message
     assert "board.toml" in message
+
+
+@pytest.mark.parametrize(
+    ("second", "words"),
+    [
+        (None, "one antenna"),
+        ([-0.9, 0.0, -3.2], "lies above or below"),
+        ([-0.85, 0.05, -1.2], "above or below"),
+    ],
+)
+def test_antennas_that_make_no_baseline_are_told(second: list[float] | None, words: str) -> None:
+    receiver = {"lever_arm_m": [-0.9, 0.0, -1.2]} | ({} if second is None else {"second_antenna_m": second})
+    imu = {"lever_arm_m": [0.0, 0.0, 0.0], "C_b_s": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}
+    with pytest.raises(ValueError, match=words):
+        nav_config(Settings(), {"imu": imu, "gnss": receiver})
 
 
 @pytest.mark.parametrize(

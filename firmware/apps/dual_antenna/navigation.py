@@ -23,6 +23,7 @@ from firmware.numerics.precision import load
 ALL_OF_ATTITUDE = ~(
     gnss.HAS_HEADING | gnss.HAS_PITCH | gnss.HAS_ROLL | gnss.HAS_ATTITUDE_ACCURACY | gnss.HAS_BASELINE
 )
+LEAST_LEVEL_M = 0.1
 RATE_LIMIT = math.radians(500.0)
 ACCEL_LIMIT = 30.0 * 9.80665
 """Ranges of the unit."""
@@ -83,6 +84,12 @@ def nav_config(settings: Settings, installation: Mapping[str, Any]) -> NavConfig
         )
     lever = np.subtract(receiver["lever_arm_m"], imu["lever_arm_m"])
     baseline = np.subtract(receiver["second_antenna_m"], receiver["lever_arm_m"])
+    if not np.hypot(baseline[0], baseline[1]) > LEAST_LEVEL_M:
+        raise ValueError(
+            f"second_antenna_m = {list(receiver['second_antenna_m'])} lies above or below the main antenna at"
+            f" {list(receiver['lever_arm_m'])}; heading needs {LEAST_LEVEL_M} m between them that are level,"
+            " for example second_antenna_m = [1.0, 0.0, -1.2]"
+        )
     return full_combination(
         baseline=vector(baseline),
         attitude=AttitudeReference(baseline=vector(baseline), compass_time=settings.gyro_compass_s),
