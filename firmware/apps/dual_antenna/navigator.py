@@ -14,10 +14,10 @@ from firmware.apps.dual_antenna.front_end_news import FrontEndNews
 from firmware.apps.dual_antenna.host_port import HostPort
 from firmware.apps.dual_antenna.memory_map import check_memory
 from firmware.apps.dual_antenna.navigation import Navigation, NavigationKernels, nav_config
+from firmware.apps.dual_antenna.paced_output import PacedOutput
 from firmware.apps.dual_antenna.settings import Settings
 from firmware.apps.dual_antenna.words import Words
 from firmware.apps.gnss_ins.announcements import Announcer
-from firmware.apps.gnss_ins.output import Output
 from hal.board_io import BoardIo
 
 RATE_HZ = 10
@@ -48,7 +48,7 @@ class Navigator:
         exchange = Exchange(io, settings, navigation)
         news = FrontEndNews(io, exchange)
         port = HostPort(io.memories["exchange"])
-        output = Output(
+        output = PacedOutput(
             io, navigation, news, news, port=port, clock=news.clock, task_frames=settings.task_frames
         )
         exchange.updated = output.send_epoch
@@ -76,7 +76,7 @@ class Background:
         io: BoardIo,
         navigation: Navigation,
         news: FrontEndNews,
-        output: Output,
+        output: PacedOutput,
         announcer: Announcer,
         words: Words,
     ) -> None:
