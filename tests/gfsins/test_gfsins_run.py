@@ -12,6 +12,7 @@ FAULTS = (
     fault("packet-word-slip", "packets", 27.0, 1.0, probability=0.02),
     fault("i2c-nack", "compass", 29.0, 5.0),
     fault("uart-cut", "gnss", 40.0, 10.0),
+    fault("nav-nan", "dsp", 54.2),
     fault("cpu-reset", "fpga", 56.0),
     fault("cpu-reset", "dsp", 62.0),
 )
@@ -90,6 +91,13 @@ def test_silence_of_gps_is_cut_off_and_comes_back() -> None:
     assert 44.0 < driven.said("GPS filter isolated: silent", 40.0) < 46.0  # 5 s after the last epoch, at 39
     assert driven.said("GPS filter trusted again", 50.0) < 57.0
     assert driven.worst("error_north_m", 40.0, 56.0) < 15.0
+
+
+def test_a_state_that_is_no_number_is_begun_again_from_a_sound_filter() -> None:
+    driven = disturbed()
+    assert driven.said("state not a number", 54.0) < 54.5
+    assert driven.worst("error_north_m", 54.2, 56.0) < 15.0
+    assert driven.worst("error_yaw_deg", 54.2, 56.0) < 1.5
 
 
 def test_a_reset_of_the_fpga_is_told_and_navigation_goes_on() -> None:

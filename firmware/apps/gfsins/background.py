@@ -39,6 +39,7 @@ class Background:
         self._line = io.interrupts.attach("background_tick", self._on_tick)
         self._ticks = 0
         self._misplaced: tuple[str, ...] = ()
+        self._restarts = 0
 
     def run(self) -> None:
         """Returns only when the processor is reset or switched off."""
@@ -73,6 +74,9 @@ class Background:
             self._news.tell_alignment(yaw, pitch, roll)
             angles = ", ".join(f"{math.degrees(angle):.1f}" for angle in (yaw % math.tau, pitch, roll))
             self._output.send_text(f"aligned: heading, pitch, roll {angles} deg")
+        if flight.restarts != self._restarts:
+            self._restarts = flight.restarts
+            self._output.send_text("state not a number: begun again with a sound filter")
         misplaced = flight.alignment.misplaced
         if misplaced != self._misplaced:
             self._misplaced = misplaced

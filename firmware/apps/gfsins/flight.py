@@ -35,6 +35,8 @@ class Flight:
         """Worst age of a tick when its solution was there."""
         self.ages_ns = 0
         """Sum of these ages …"""
+        self.restarts = 0
+        """How often the master had lost its state."""
         self.solutions = 0
         """… and how many there were."""
         self._navigation = navigation
@@ -66,7 +68,10 @@ class Flight:
             self._align()
             return
         self._feed.read()
-        done: int = self._navigation.door.take(words, self._feed.felt)
+        navigation = self._navigation
+        if not navigation.has_state:
+            self.restarts += navigation.begin_again(self._reception.tick_ns - 1000)
+        done: int = navigation.door.take(words, self._feed.felt)
         flags = int(words[pk.FLAGS])
         step, compass, gps, fusion = self._costs
         if flags & pk.HAS_COMPASS:

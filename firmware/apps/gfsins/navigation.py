@@ -6,9 +6,16 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from firmware.apps.gfsins.settings import Settings
 from firmware.apps.gnss_ins.navigation import NavigationState, StateKernels
+from firmware.nav import layout
+from firmware.nav import solution as record
 from firmware.nav.config import NavConfig
+from firmware.nav.flags import NAVIGATING
+from firmware.nav.gyro_free import layout as gl
 from firmware.nav.gyro_free.config import GyroFreeConfig
 from firmware.nav.gyro_free.filters import (
     DEG,
@@ -39,6 +46,36 @@ class Navigation(NavigationState):
     def start(self, start: Beginning) -> None:
         """Navigate from there."""
         begin(self.federation, self.config, start)
+
+    @property
+    def has_state(self) -> bool:
+        """Whether the master navigates on numbers."""
+        velocity: float = self.f[layout.VELOCITY]
+        return int(self.i[layout.MODE]) >= NAVIGATING and math.isfinite(velocity)
+
+    def begin_again(self, tick_ns: int) -> bool:
+        """The master has lost its state: all begin with that of a filter that has not. False: none has."""
+        for f, i in (self.federation.gps, self.federation.compass):
+            if int(i[layout.MODE]) >= NAVIGATING and np.all(np.isfinite(f[: layout.ACCEL_BIAS + 3])):
+                self._solution(f, i, self.floats, self.integers)
+                self._renew(f[layout.GYRO_BIAS : layout.ACCEL_BIAS + 3].copy(), tick_ns)
+                return True
+        return False
+
+    def _renew(self, biases: NDArray[Any], tick_ns: int) -> None:
+        """Fresh arrays but for what calibration and alignment have found, begun with the solution record."""
+        held, values = self.federation, self.floats.tolist()
+        sensor, counts = held.g[: gl.COMPASS_VARIANCE].copy(), held.n[: gl.MODE].copy()
+        fresh = new_federation(self.config)
+        for old, new in zip((held.g, held.n, *held.all), (fresh.g, fresh.n, *fresh.all), strict=True):
+            old[:] = new
+        held.g[: gl.COMPASS_VARIANCE], held.n[: gl.MODE] = sensor, counts
+        north, east, down = values[record.VELOCITY : record.VELOCITY + 3]
+        place = int(self.integers[record.LAT_NANODEG]), int(self.integers[record.LON_NANODEG])
+        angles = values[record.YAW], values[record.PITCH], values[record.ROLL]
+        self.start(Beginning(tick_ns, *place, values[record.HEIGHT], (north, east, down), angles))
+        for f, _ in (held.compass, held.gps, held.master):
+            f[layout.GYRO_BIAS : layout.ACCEL_BIAS + 3] = biases
 
     def memory(self) -> bytes:
         """All filters as they lie in memory."""
