@@ -1,5 +1,6 @@
 """The engine as machine code: taken for exactly its sources, built whole or not at all."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -159,3 +160,24 @@ def test_a_package_without_sources_is_simply_interpreted(
     monkeypatch.delenv(engine.CHOICE, raising=False)
     engine.use()
     assert sys.meta_path == []
+
+
+def _hash_and_capture(out: Path, **environment: str) -> tuple[str, bytes]:
+    variables = {key: value for key, value in os.environ.items() if key != engine.CHOICE}
+    command = [sys.executable, "-m", "host.cli.main", "run", "car_mems", "-s", "static", "-q"]
+    subprocess.run(
+        [*command, "--set", "duration_s=5", "--out", str(out), "--json", str(out.with_suffix(".json"))],
+        env={**variables, **environment, "PYTHONPATH": str(ROOT)},
+        cwd=out.parent,
+        timeout=120,
+        check=False,  # expectations of the scenario want a longer run
+    )
+    figures = json.loads(out.with_suffix(".json").read_text())
+    return figures["state_hash"], (out / "run.mcap").read_bytes()
+
+
+def test_machine_code_gives_the_same_bytes(tmp_path: Path) -> None:
+    if not engine.folder().exists():
+        pytest.skip("the engine is not built here (python -m hal.engine_build): everything ran interpreted")
+    compiled = _hash_and_capture(tmp_path / "compiled")
+    assert compiled == _hash_and_capture(tmp_path / "interpreted", **{engine.CHOICE: "interpreted"})
