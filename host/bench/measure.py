@@ -16,7 +16,7 @@ from host.bench.sampling import Shares
 from host.record.result import RunRequest
 
 BOARD, SCENARIO = "car_mems", "town-open"
-SCENARIOS = {BOARD: SCENARIO, "uav_ahrs": "flight", "dual_antenna": "road"}
+SCENARIOS = {BOARD: SCENARIO, "uav_ahrs": "flight", "dual_antenna": "road", "gfsins": "chapter5"}
 """What each board's speed is measured on."""
 TICKS_PER_S = 100
 BARE_FROM_S, BARE_TO_S = 200, 300
