@@ -10,7 +10,7 @@ PIL_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 
 .DEFAULT_GOAL := help
 .PHONY: help setup run test lint types arrows unit soak bench firmware pil clean \
-	pil-full-rate pil-thesis pil-float32 pil-fixed pil-alone pil-tests
+	pil-full-rate pil-thesis pil-float32 pil-fixed pil-gfsins pil-alone pil-tests
 
 help:  ## show this list
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-8s %s\n", $$1, $$2}'
@@ -56,13 +56,14 @@ firmware: setup  ## images of the navigation kernels for an STM32F405, in build/
 	$(BIN)/navtwin build car_mems --profile thesis --target stm32f405
 	$(BIN)/navtwin build uav_ahrs --profile float32 --target stm32f405
 	$(BIN)/navtwin build uav_ahrs --profile fixed --target stm32f405
+	$(BIN)/navtwin build gfsins --target stm32f405
 
 pil:  ## the same kernels on an emulated STM32F405, compared bit by bit; says what it needs where that is missing
 	@missing=$$(for tool in arm-none-eabi-gcc qemu-system-arm; do \
 		command -v $$tool > /dev/null || printf ' %s' $$tool; done); \
 	if [ -n "$$missing" ]; then \
 		echo "make pil: SKIPPED, not installed:$$missing; on Debian and Ubuntu: apt install $(PIL_PACKAGES)"; \
-	else $(MAKE) --no-print-directory -j 2 pil-tests pil-full-rate pil-thesis pil-float32 pil-fixed pil-alone; fi
+	else $(MAKE) --no-print-directory -j 2 pil-tests pil-full-rate pil-thesis pil-float32 pil-fixed pil-gfsins pil-alone; fi
 
 pil-full-rate: setup
 	$(BIN)/navtwin pil car_mems --profile full-rate --scenario static --steps $(STEPS) -q
@@ -72,6 +73,8 @@ pil-float32: setup
 	$(BIN)/navtwin pil uav_ahrs --profile float32 --steps $(STEPS) -q
 pil-fixed: setup
 	$(BIN)/navtwin pil uav_ahrs --profile fixed --steps $(STEPS) -q
+pil-gfsins: setup
+	$(BIN)/navtwin pil gfsins --steps $(STEPS) -q
 pil-alone: setup
 	$(BIN)/navtwin pil car_mems --stand-alone --scenario town-open --set duration_s=100 -q
 pil-tests: setup

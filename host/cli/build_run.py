@@ -12,7 +12,7 @@ from rich.table import Table
 from boards.description import load_board
 from host.cli.exit_codes import EXIT_MET
 from host.cli.output_files import check_files, for_people, write_json
-from host.pil.image import LARGEST_IMAGE, SUFFIXES, Image
+from host.pil.image import SUFFIXES, Image
 from host.pil.session import image_of
 from host.pil.target_code import entry_symbol
 from host.record.errors import UserError
@@ -27,7 +27,7 @@ def execute(board: str, target: str, profile: str | None, out: Path, json: str |
         raise UserError(f"--target {target}: not known; for example --target {TARGETS[0]}")
     check_files(("--json", json))
     _check_folder(out)
-    image = image_of(RunRequest(board, profile=profile), limit=LARGEST_IMAGE)
+    image = image_of(RunRequest(board, profile=profile))
     description = load_board(board)
     stem = f"{description.name}-{profile or description.default_profile}-{target}"
     try:

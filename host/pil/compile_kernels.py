@@ -1,6 +1,6 @@
 """Compiles kernels to one object file, in a process of its own.
 
-    NUMBA_OPT=0 python -m host.pil.compile_kernels OBJECT [PLANT] < kernels
+    NUMBA_OPT=0 python -m host.pil.compile_kernels OBJECT unrolled|rolled [PLANT] < kernels
 
 Reads kernels from standard input, the full name and the signature of one a line; a kernel that is declared
 without one becomes an entry with it. Writes the object file and prints its
@@ -24,6 +24,7 @@ from host.pil.target_code import (
     FUSED,
     HARD_FLOAT,
     LIBRARY_SYMBOLS,
+    UNROLLED,
     TargetMachine,
     declared,
     make_pointer_kernel,
@@ -31,7 +32,7 @@ from host.pil.target_code import (
 )
 
 
-def main(target: str, planted: str | None = None) -> None:
+def main(target: str, loops: str, planted: str | None = None) -> None:
     """Compile what standard input names."""
     assert os.environ.get("NUMBA_OPT") == "0", "set NUMBA_OPT=0 before numba is imported"
     check_subnormals()
@@ -39,7 +40,7 @@ def main(target: str, planted: str | None = None) -> None:
     variant = KernelVariant("target", make_pointer_kernel)
     for name in wanted:
         variant.load(name.rpartition(".")[0])
-    machine = TargetMachine()
+    machine = TargetMachine(unrolling=loops == UNROLLED)
     kernels = {name: variant.kernels[name] for name in wanted}
     module = machine.module([declared(kernel, wanted[name]) for name, kernel in kernels.items()])
     if planted is not None:

@@ -21,6 +21,7 @@ from firmware.numerics.cache_folder import kernel_cache_folder, kernel_sources_h
 from host.pil.kernel_table import TargetKernel, table_source
 from host.pil.planted import C_DEFINITIONS
 from host.pil.stand_alone import loop_source
+from host.pil.target_code import ROLLED, UNROLLED
 from host.pil.toolchain import COMPILER, check_library, run_tool, version_of
 from host.record.errors import UserError
 
@@ -35,6 +36,14 @@ LINK = ("-nostartfiles", "--specs=nano.specs", "--specs=nosys.specs", "-Wl,--gc-
         "-Wl,--no-warn-rwx-segments")  # fmt: skip
 SUFFIXES = ("elf", "hex", "bin")
 COMPILE_SECONDS = 600
+
+
+@dataclass(frozen=True, slots=True)
+class Making:
+    """How kernels are compiled."""
+
+    planted: str | None = None
+    loops: str = UNROLLED
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,13 +75,23 @@ def build_image(
 ) -> Image:
     """The image of these kernels, and of a navigation loop of them; from the cache when it was built before.
 
-    `limit`: bytes of flash that it may take. Raises UserError for missing tools, and RuntimeError for kernels
-    that leave symbols undefined, pass floats in integer registers or hold fused operations unasked.
+    `limit`: bytes of flash that it may take; one that takes more is made again with its loops rolled. Raises
+    UserError for missing tools, and RuntimeError for kernels that leave symbols undefined, pass floats in
+    integer registers or hold fused operations unasked.
     """
+    image = _made(kernels, Making(planted), loop)
+    if limit is not None and image.size > limit:
+        image = _made(kernels, Making(planted, ROLLED), loop)
+    if limit is not None and image.size > limit:
+        raise UserError(f"the image takes {image.size} bytes of flash, more than {limit}")
+    return image
+
+
+def _made(kernels: Sequence[TargetKernel], making: Making, loop: StandAlone | None) -> Image:
     compiler = version_of(COMPILER)
     check_library()
     loop_table = loop_source(loop, kernels)
-    identity = _identity(kernels, loop_table, compiler, planted)
+    identity = _identity(kernels, loop_table, compiler, making)
     folder = kernel_cache_folder("target images")
     if folder is None:
         folder = Path(tempfile.mkdtemp(prefix="navtwin-image-"))
@@ -81,27 +100,24 @@ def build_image(
     if not told.is_file():
         with tempfile.TemporaryDirectory(dir=folder) as place:
             Path(place, "loop_table.c").write_text(loop_table, encoding="utf-8")
-            _build(Path(place), kernels, identity, compiler, planted)
+            _build(Path(place), kernels, identity, compiler, making)
             for suffix in (*SUFFIXES, "json"):  # the last one says that the others are there
                 Path(place, f"image.{suffix}").replace(path.with_suffix(f".{suffix}"))
     facts = json.loads(told.read_text(encoding="utf-8"))
-    image = Image(path, identity, tuple(kernels), **facts)
-    if limit is not None and image.size > limit:
-        raise UserError(f"the image takes {image.size} bytes of flash, more than {limit}")
-    return image
+    return Image(path, identity, tuple(kernels), **facts)
 
 
-def _identity(kernels: Sequence[TargetKernel], loop_table: str, compiler: str, planted: str | None) -> str:
+def _identity(kernels: Sequence[TargetKernel], loop_table: str, compiler: str, making: Making) -> str:
     """16 hex digits over all that the image is made of."""
     monitor = [*SOURCES.glob("*.[ch]"), *SOURCES.glob("*.ld"), HERE / "kernel_table.py", HERE / "image.py"]
-    return _hash(monitor, (_identity_of_code(kernels, planted), loop_table, planted, compiler, BAUD))
+    return _hash(monitor, (_identity_of_code(kernels, making), loop_table, making, compiler, BAUD))
 
 
-def _identity_of_code(kernels: Sequence[TargetKernel], planted: str | None) -> str:
+def _identity_of_code(kernels: Sequence[TargetKernel], making: Making) -> str:
     makers = [HERE / name for name in ("target_code.py", "planted.py", "compile_kernels.py")]
     names = [(kernel.name, kernel.signature.text) for kernel in kernels]
     tools = (sys.version, version("numba"), version("llvmlite"), version("numpy"))
-    return kernel_sources_hash(_hash(makers, (names, tools, planted)))
+    return kernel_sources_hash(_hash(makers, (names, tools, making)))
 
 
 def _hash(files: Sequence[Path], facts: object) -> str:
@@ -112,13 +128,13 @@ def _hash(files: Sequence[Path], facts: object) -> str:
 
 
 def _build(
-    place: Path, kernels: Sequence[TargetKernel], identity: str, compiler: str, planted: str | None
+    place: Path, kernels: Sequence[TargetKernel], identity: str, compiler: str, making: Making
 ) -> None:
-    code, found = _compiled_once(place.parent, kernels, planted)
-    _check(found, planted)
+    code, found = _compiled_once(place.parent, kernels, making)
+    _check(found, making.planted)
     table = place / "kernel_table.c"
     table.write_text(table_source(kernels, identity), encoding="utf-8")
-    definitions = (f"-DSERIAL_BAUD={BAUD}u", *C_DEFINITIONS.get(planted or "", ()))
+    definitions = (f"-DSERIAL_BAUD={BAUD}u", *C_DEFINITIONS.get(making.planted or "", ()))
     elf = place / "image.elf"
     sources = [*sorted(SOURCES.glob("*.c")), table, place / "loop_table.c"]
     run_tool(COMPILER.program, *MACHINE, *COMPILE, *definitions, f"-I{SOURCES}", *sources, code, *LINK,
@@ -132,25 +148,26 @@ def _build(
 
 
 def _compiled_once(
-    folder: Path, kernels: Sequence[TargetKernel], planted: str | None
+    folder: Path, kernels: Sequence[TargetKernel], making: Making
 ) -> tuple[Path, dict[str, Any]]:
     """Kernels as one object file in `folder`, and what the compiler found out about it."""
-    kept = folder / f"kernels_{_identity_of_code(kernels, planted)}"
+    kept = folder / f"kernels_{_identity_of_code(kernels, making)}"
     code, told = kept.with_suffix(".o"), kept.with_suffix(".found")
     if not told.is_file():
         unfinished = kept.with_suffix(f".{os.getpid()}")
-        found = _compiled(unfinished, kernels, planted)
+        found = _compiled(unfinished, kernels, making)
         unfinished.replace(code)
         unfinished.write_text(json.dumps(found), encoding="utf-8")
         unfinished.replace(told)
     return code, json.loads(told.read_text(encoding="utf-8"))
 
 
-def _compiled(code: Path, kernels: Sequence[TargetKernel], planted: str | None) -> dict[str, Any]:
+def _compiled(code: Path, kernels: Sequence[TargetKernel], making: Making) -> dict[str, Any]:
     root = SOURCES.parents[1]
     paths = [str(root), *filter(None, [os.environ.get("PYTHONPATH")])]
     quiet = {"NUMBA_OPT": "0", "NUMBA_DISABLE_JIT": "0", "PYTHONPATH": os.pathsep.join(paths)}
-    command = [sys.executable, "-m", "host.pil.compile_kernels", str(code), *([planted] if planted else [])]
+    asked = [str(code), making.loops, *([making.planted] if making.planted else [])]
+    command = [sys.executable, "-m", "host.pil.compile_kernels", *asked]
     names = "\n".join(f"{kernel.name} {kernel.signature.text}" for kernel in kernels)
     done = subprocess.run(
         command,

@@ -13,7 +13,7 @@ from firmware.link.stand_alone import StandAlone
 from firmware.numerics.dialect import entries_observed
 from hal.emulated.virtual_time import SECOND
 from host.pil.board_kernels import ALL, NAVIGATION, kernels_of
-from host.pil.image import Image, build_image
+from host.pil.image import LARGEST_IMAGE, Image, build_image
 from host.pil.kernel_table import TargetKernel
 from host.pil.lockstep import Counts, Lockstep
 from host.pil.monitor_link import MonitorLink, open_port
@@ -51,6 +51,11 @@ class PilRequest:
         """Whether inner kernels are counted, which a flashed image does not hold."""
         return self.counting and self.port is None and not self.unit
 
+    @property
+    def flash_limit(self) -> int | None:
+        """Bytes of the image; None for one that no board flashes, which holds more."""
+        return None if self.unit or self.counts_parts else LARGEST_IMAGE
+
 
 @dataclass(slots=True)
 class PilResult:
@@ -87,15 +92,16 @@ class PilResult:
         return {"format": FORMAT, **asdict(self)}
 
 
-def image_of(
-    request: RunRequest, planted: str | None = None, limit: int | None = None, as_asked: bool = False
-) -> Image:
-    """The image of a board and profile. `as_asked`: its own loop is configured as scenario and --set of the
-    request say, not as the board's profile alone. Raises UserError."""
+def image_of(request: RunRequest, as_asked: bool = False) -> Image:
+    """The image of a board and profile, as a board flashes it. Raises UserError.
+
+    `as_asked`: its own loop is configured as scenario and --set of the request say, not as the board's
+    profile alone.
+    """
     setup, world = prepared(request)
     with user_errors():
         loop = stand_alone_of(setup.board, setup.profile) if as_asked else _own_loop(request.board, setup)
-        return build_image(kernels_of(setup, world.another()), planted, limit, loop)
+        return build_image(kernels_of(setup, world.another()), None, LARGEST_IMAGE, loop)
 
 
 def _own_loop(name: str, setup: Setup) -> StandAlone | None:
@@ -110,7 +116,7 @@ def compare(request: PilRequest, notice: Callable[[str], None]) -> PilResult:
     check_tools(COMPILER, *([EMULATOR] if request.port is None else []))
     kernels, loop = _kernels(request, setup, world)
     notice("building the image (a minute when the kernels are new) …")
-    image = build_image(kernels, request.planted, loop=loop)
+    image = build_image(kernels, request.planted, request.flash_limit, loop)
     with _processor(image, request) as name:
         port = open_port(name)
         try:
