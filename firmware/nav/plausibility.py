@@ -4,7 +4,8 @@ moves.
 One axis alone that repeats itself is refused once GNSS contradicts, and then until it changes.
 
 A frozen sensor at rest is noted but used: rest looks the same. So is one that repeated itself before it ever
-moved, until GNSS contradicts: it has no noise. What is refused counts as dead time.
+moved, until GNSS contradicts: it has no noise. A sensor so fine that its rounding is known (`repeat_rate`)
+shows its noise at rest, too, and is refused there as well. What is refused counts as dead time.
 """
 
 import numpy as np
@@ -102,7 +103,9 @@ def _may_repeat(f, i):
         i[at.SENSOR_REPEATS] = 1
         return True
     contradicted = i[at.VELOCITY_REFUSED_SINCE] != at.NEVER
-    return (i[at.SENSOR_REPEATS] != 0 and not contradicted) or not _is_moving(f, i)
+    if i[at.SENSOR_REPEATS] != 0 and not contradicted:
+        return True
+    return f[cfg.REPEAT_RATE] == ZERO and not _is_moving(f, i)
 
 
 @kernel

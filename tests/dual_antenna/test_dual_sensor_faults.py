@@ -10,6 +10,7 @@ from dual_runs import UNIT, Driven, drive, fault
 def lied_to() -> Driven:
     """A unit that freezes on the road; a clock that is off and a pulse that fails; a gyro that runs away."""
     faults = (
+        fault("sensor-frozen", UNIT, 30.0, 5.0),
         fault("sensor-frozen", UNIT, 90.0, 10.0),
         fault("chip-clock", UNIT, 130.0, 5.0, ppm=5000.0),
         fault("pin-stuck", "GNSS_PPS", 150.0, 10.0),
@@ -21,11 +22,18 @@ def lied_to() -> Driven:
 
 def test_a_frozen_unit_is_told_and_not_integrated(lied_to: Driven) -> None:
     """Its rounding toggles by one unit, so that no two samples need be equal."""
-    assert 90.4 < lied_to.said("IMU frozen") < 91.0
+    assert 90.4 < lied_to.said("IMU frozen", 50.0) < 91.0
     assert lied_to.worst("error_north_m", 90.0, 101.0) < 10.0
     assert lied_to.worst("error_east_m", 90.0, 101.0) < 10.0
     assert lied_to.worst("error_roll_deg", 110.0, 125.0) < 0.2
     assert lied_to.worst("error_yaw_deg", 110.0, 125.0) < 0.2
+
+
+def test_a_unit_that_freezes_at_rest_is_told(lied_to: Driven) -> None:
+    """Its noise is two hundred units: not even at rest are two samples alike."""
+    assert 30.4 < lied_to.said("IMU frozen") < 31.0
+    assert lied_to.worst("error_north_m", 30.0, 60.0) < 8.0
+    assert lied_to.worst("error_v_down_mps", 55.0, 89.0) < 0.3
 
 
 def test_a_clock_that_is_off_is_told(lied_to: Driven) -> None:
