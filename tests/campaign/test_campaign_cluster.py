@@ -22,6 +22,7 @@ def _lines(journal: Path) -> int:
     return journal.read_bytes().count(b"\n") if journal.exists() else 0
 
 
+@pytest.mark.soak
 def test_a_cluster_worker_killed_in_the_middle_costs_no_run(tmp_path: Path) -> None:
     """One of two is killed when some runs are on disk: those stay, what it had under way is done again."""
     distributed = pytest.importorskip("distributed")

@@ -47,7 +47,7 @@ def compensated(profile, words):
     return np.array(found)
 
 
-@pytest.mark.parametrize("bias", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.1)])
+@pytest.mark.parametrize("bias", [pytest.param((0.0, 0.0, 0.0), marks=pytest.mark.soak), (0.3, -0.2, 0.1)])
 def test_ten_minutes_of_compensated_flight_as_in_float64(bias):
     """Wanted is 0.01° RMS. Both learn bias and heading from the same words, each in its own numbers."""
     samples = flight(SECONDS, noise=True)

@@ -59,6 +59,7 @@ def test_without_sensor_errors_nothing_drifts_but_what_the_receiver_left(streets
     assert sensors(told)["perfect"]["horizontal_rms_m"] < 0.03
 
 
+@pytest.mark.soak
 def test_filter_knows_how_far_each_grade_drifts(streets: Path) -> None:
     """Truth is the judge: error² over covariance of 2 × 24 components has its 99.9 % between 0.45 and 1.8,
     less independent ones a little more."""
@@ -105,6 +106,7 @@ def test_verdict_page_and_exit_code(streets: Path, tmp_path: Path) -> None:
     assert (tmp_path / "again.html").read_bytes() == page.read_bytes()
 
 
+@pytest.mark.soak
 def test_figure_is_that_of_all_drives_and_its_interval_that_of_their_scatter(streets: Path) -> None:
     """Each drive by itself is the command with that seed; Student's interval by SciPy, of the mean square."""
     options = (streets, "-p", "stim300", "--outages", 3, "--length", 20, "--gap", 10)

@@ -2,6 +2,7 @@
 
 import ecef_mechanization as oracle
 import numpy as np
+import pytest
 from drives import PERFECT, SCENARIOS, attitude_difference, earth_state
 
 from host.sim.scenario.load import load_scenario
@@ -23,6 +24,7 @@ def closed_loop(name, lever, rate_hz, seconds):
     return c_en.T @ (state[:3] - end[:3]), state[3:6] - end[3:6], attitude_difference(state[6:], end[6:])
 
 
+@pytest.mark.soak
 def test_twenty_minutes_in_town_at_200_hz():
     position, velocity, attitude = closed_loop("town-open", np.zeros(3), 200, 1200)
     assert np.abs(position).max() < 1e-5

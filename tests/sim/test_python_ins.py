@@ -85,7 +85,7 @@ def test_it_agrees_with_the_increments_of_the_inverse_too():
     assert np.linalg.norm(coarse[:2]) > 3.0 * np.linalg.norm(fine[:2])
 
 
-@pytest.mark.parametrize("scene", ["ship", "aircraft"])
+@pytest.mark.parametrize("scene", ["ship", pytest.param("aircraft", marks=pytest.mark.soak)])
 def test_what_is_left_is_what_python_ins_leaves_out(scene):
     """The third-order term of an interval's turn, and the growth of the Coriolis force within an interval."""
     duration_s = 100.0 if scene == "ship" else 60.0
