@@ -12,7 +12,8 @@ import pytest
 
 LONGEST_FIRST = (
     "dialect", "sim", "nav", "replay", "run", "compare", "campaign", "docs", "serve", "attach", "importers",
-    "dual_antenna", "gfsins", "gyro_free", "drift", "pil", "uav_ahrs", "plugin", "numerics", "chips", "host", "live", "monitor", "waves",
+    "dual_antenna", "gfsins", "gyro_free", "drift", "pil", "uav_ahrs",
+    "plugin", "numerics", "chips", "host", "live", "monitor", "waves",
 )  # fmt: skip
 """Folders by their time, those that only compute before those that keep pace with a clock while mypy runs
 beside them; all others come after them by name."""
