@@ -22,6 +22,7 @@ def test_types_and_lengths():
     rows = {int(kind, 16): (f"RAW_{name}", length) for kind, name, length, _ in table(SECTION)}
     assert all(getattr(raw_frames, name) == kind for kind, (name, _) in rows.items())
     lengths = {kind: str(layout.size) for kind, layout in raw_frames.INPUTS.items()}
+    lengths[raw_frames.RAW_WANTED] = str(raw_frames.WANTED.size)
     lengths[raw_frames.RAW_STATE] = f"{raw_frames.SLICE_HEAD.size} + n"
     assert {kind: length for kind, (_, length) in rows.items()} == lengths
 

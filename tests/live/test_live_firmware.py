@@ -65,6 +65,7 @@ def places(tmp_path: Path) -> Iterator[tuple[Desktop, PtyPort, PtyPort]]:
 
 def test_car_mems_runs_in_real_time(places: tuple[Desktop, PtyPort, PtyPort], tmp_path: Path) -> None:
     desk, gnss, host = places
+    card = tmp_path / "card.bin"
     board = tomllib.loads((Path(boards.__file__).parent / "car_mems" / "board.toml").read_text())
     processor = board["processors"]["mcu"]
     cpu = LiveCpu(
@@ -89,7 +90,7 @@ def test_car_mems_runs_in_real_time(places: tuple[Desktop, PtyPort, PtyPort], tm
             "led": BusPirateAux(cpu, spi.session),
         },
         timers={"imu_timer": LiveTimer(cpu), "background": LiveTimer(cpu)},
-        logs={"sdcard": LiveLogFile(cpu, tmp_path / "card.bin")},
+        logs={"sdcard": LiveLogFile(cpu, card)},
     )
     module, _, name = processor["program"].partition(":")
     chip = board["chips"]["U2"]
@@ -104,6 +105,7 @@ def test_car_mems_runs_in_real_time(places: tuple[Desktop, PtyPort, PtyPort], tm
     def end() -> None:
         until(lambda: bool(host.written), patience_s=120.0)  # kernels may have to be compiled first
         stop.wait(SECONDS)
+        until(lambda: card.exists() and card.stat().st_size > 1000, patience_s=60.0)  # the background's turn
         cpu.power_off()
 
     ender = Thread(target=end, daemon=True)
@@ -131,6 +133,6 @@ def test_car_mems_runs_in_real_time(places: tuple[Desktop, PtyPort, PtyPort], tm
     assert solutions[-1].lat_nanodeg == pytest.approx((47 + 17.11437 / 60) * 1e9, abs=1000)
     assert solutions[-1].lon_nanodeg == pytest.approx((8 + 33.91522 / 60) * 1e9, abs=1000)
     assert solutions[-1].height == pytest.approx(499.6 + 48.0, abs=1.0)
-    assert tmp_path.joinpath("card.bin").stat().st_size > 1000
+    assert card.stat().st_size > 1000
     assert other.recv(0) is not None
     other.shutdown()

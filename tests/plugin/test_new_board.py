@@ -151,7 +151,8 @@ def test_an_installed_board_is_found_by_name_from_anywhere(repository, tmp_path)
     )
     assert done.returncode == 0, done.stdout
     listed = own_boards.call(["navtwin", "boards", "--json"], tmp_path / "elsewhere", environment)
-    assert [board["name"] for board in json.loads(listed.stdout)] == ["car_mems", "tilt_unit", "uav_ahrs"]
+    names = [board["name"] for board in json.loads(listed.stdout)]
+    assert names == ["car_mems", "dual_antenna", "gfsins", "tilt_unit", "uav_ahrs"]
 
 
 def test_an_entry_point_that_leads_nowhere_is_told_and_hides_no_board(repository, tmp_path):
