@@ -9,19 +9,20 @@ STEPS  := 10000
 PIL_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test lint types arrows unit soak bench firmware pil clean \
+.PHONY: help setup engine run test lint types arrows unit soak bench firmware pil clean \
 	pil-full-rate pil-thesis pil-float32 pil-fixed pil-gfsins pil-alone pil-tests
 
 help:  ## show this list
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-8s %s\n", $$1, $$2}'
 
-setup: $(STAMP)  ## make .venv with the command navtwin in it
+setup: $(STAMP) engine  ## make .venv with the command navtwin in it
+
+engine: $(STAMP)
 	@$(BIN)/python -m hal.engine_build
 
 $(STAMP): pyproject.toml
 	@test -n "$(PYTHON)" || { echo "navtwin needs Python 3.11 or newer; give one: make PYTHON=/path/to/python3"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --upgrade pip
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile --editable '.[dev]'
 	$(BIN)/python -m compileall -q -j 0 boards firmware hal host
 	@touch $(STAMP)
@@ -30,16 +31,17 @@ run: setup  ## the main job: the car_mems board on a simulated drive through tow
 	$(BIN)/navtwin run car_mems --scenario town
 
 test: lint arrows  ## lint, types, import arrows and tests
-	@$(MAKE) --no-print-directory -j 2 types unit
+	@$(MAKE) --no-print-directory -j 2 types engine
+	@$(MAKE) --no-print-directory unit
 
-lint: setup
+lint: $(STAMP)
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 
-types: setup
+types: $(STAMP)
 	$(BIN)/mypy
 
-arrows: setup
+arrows: $(STAMP)
 	$(BIN)/lint-imports
 
 unit: setup
@@ -63,7 +65,7 @@ pil:  ## the same kernels on an emulated STM32F405, compared bit by bit; says wh
 		command -v $$tool > /dev/null || printf ' %s' $$tool; done); \
 	if [ -n "$$missing" ]; then \
 		echo "make pil: SKIPPED, not installed:$$missing; on Debian and Ubuntu: apt install $(PIL_PACKAGES)"; \
-	else $(MAKE) --no-print-directory -j 2 pil-tests pil-full-rate pil-thesis pil-float32 pil-fixed pil-gfsins pil-alone; fi
+	else $(MAKE) --no-print-directory -j 2 pil-gate pil-tests pil-full-rate pil-thesis pil-float32 pil-fixed pil-gfsins pil-alone; fi
 
 pil-full-rate: setup
 	$(BIN)/navtwin pil car_mems --profile full-rate --scenario static --steps $(STEPS) -q
@@ -77,6 +79,8 @@ pil-gfsins: setup
 	$(BIN)/navtwin pil gfsins --steps $(STEPS) -q
 pil-alone: setup
 	$(BIN)/navtwin pil car_mems --stand-alone --scenario town-open --set duration_s=100 -q
+pil-gate: setup
+	$(BIN)/pytest -q -m soak tests/dialect
 pil-tests: setup
 	$(BIN)/pytest -q -m soak tests/pil
 

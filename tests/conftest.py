@@ -9,6 +9,10 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("suite", max_examples=60)
+settings.load_profile("suite")
 
 LONGEST_FIRST = (
     "dialect", "sim", "nav", "replay", "run", "compare", "campaign", "docs", "serve", "attach", "importers",

@@ -21,7 +21,7 @@ def test_sources_keep_the_rules():
     assert not found, "\n".join(str(violation) for violation in found)
 
 
-@pytest.mark.parametrize("half", ["host", "target"])
+@pytest.mark.parametrize("half", ["host", pytest.param("target", marks=pytest.mark.soak)])
 def test_compiled_kernels_keep_the_rules(half):
     report = run_half(half)
     assert not report.problems, report.text()

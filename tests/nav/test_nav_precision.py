@@ -1,6 +1,7 @@
 """What float32 costs navigation, and that a run can be repeated."""
 
 import numpy as np
+import pytest
 from float64_doors import float64_doors
 from nav_drive import Drive, part, within_pi
 from nav_run import run
@@ -10,6 +11,7 @@ from firmware.nav.config import NavConfig
 CONFIG = NavConfig(latency_sigma=0.0)
 
 
+@pytest.mark.soak
 def test_float32_stays_within_five_centimetres_of_float64(town: Drive) -> None:
     """The same drive, the same filter, twice the digits."""
     drive = part(town, 0.0, 200.0)
