@@ -6,6 +6,7 @@ BIN    := $(VENV)/bin
 STAMP  := $(VENV)/.installed
 
 STEPS  := 10000
+PIL_PARTS := pil-gate pil-tests pil-full-rate pil-thesis pil-float32 pil-fixed pil-gfsins pil-alone
 PIL_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 
 .DEFAULT_GOAL := help
@@ -65,7 +66,7 @@ pil:  ## the same kernels on an emulated STM32F405, compared bit by bit; says wh
 		command -v $$tool > /dev/null || printf ' %s' $$tool; done); \
 	if [ -n "$$missing" ]; then \
 		echo "make pil: SKIPPED, not installed:$$missing; on Debian and Ubuntu: apt install $(PIL_PACKAGES)"; \
-	else $(MAKE) --no-print-directory -j 2 pil-gate pil-tests pil-full-rate pil-thesis pil-float32 pil-fixed pil-gfsins pil-alone; fi
+	else $(MAKE) --no-print-directory -j 2 $(PIL_PARTS); fi
 
 pil-full-rate: setup
 	$(BIN)/navtwin pil car_mems --profile full-rate --scenario static --steps $(STEPS) -q
