@@ -11,7 +11,7 @@ PIL_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm
 
 .DEFAULT_GOAL := help
 .PHONY: help setup engine run test lint types arrows unit soak bench firmware pil clean \
-	pil-full-rate pil-thesis pil-float32 pil-fixed pil-gfsins pil-alone pil-tests
+	pil-gate pil-full-rate pil-thesis pil-float32 pil-fixed pil-gfsins pil-alone pil-tests
 
 help:  ## show this list
 	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | awk -F ':.*## ' '{printf "  make %-8s %s\n", $$1, $$2}'
