@@ -240,6 +240,7 @@ def cluster() -> Iterator[str]:
         yield local.scheduler_address
 
 
+@pytest.mark.soak
 def test_cluster_gives_the_same_bytes(whole: Path, cluster: str, tmp_path: Path) -> None:
     result = campaign(tmp_path / "dask", "--set", "gnss.latency_s=0.05,0.3", "--scheduler", cluster)
     assert result.exit_code == 0, result.output

@@ -54,6 +54,7 @@ def test_an_interrupted_run_keeps_what_it_has_and_says_so(tmp_path: Path, way: s
     assert sum(1 for _ in CaptureReader(tmp_path / "out" / "run.mcap.part").messages()) > 0
 
 
+@pytest.mark.soak
 def test_a_killed_run_leaves_a_capture_that_is_read_and_a_folder_that_is_used_again(tmp_path: Path) -> None:
     out = tmp_path / "out"
     with _started(out) as process:
@@ -81,6 +82,7 @@ def test_a_killed_run_leaves_a_capture_that_is_read_and_a_folder_that_is_used_ag
     ],
     ids=lambda environment: ",".join(environment),
 )
+@pytest.mark.soak
 def test_odd_surroundings_make_no_difference(tmp_path: Path, environment: dict[str, str | None]) -> None:
     done = _navtwin(*SHORT, "--no-capture", "--out", str(tmp_path / "out"), **environment)
     assert b"Traceback" not in done.stderr
