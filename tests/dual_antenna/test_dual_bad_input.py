@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from dual_runs import RECEIVER, UNIT, Driven, drive, fault
+from board_run import Driven, fault
+from dual_runs import RECEIVER, UNIT, drive
 
 
 @pytest.fixture(scope="module")

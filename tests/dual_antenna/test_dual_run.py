@@ -6,7 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dual_runs import drive
+from board_run import fault
+from dual_runs import RECEIVER, drive
 
 from host.replay.request import ReplayRequest
 from host.replay.strict import replay_strict
@@ -92,7 +93,6 @@ def test_a_loss_is_bridged_and_joined_again() -> None:
 
 
 def test_wrong_headings_are_refused() -> None:
-    from dual_runs import RECEIVER, fault
 
     wrong = (
         fault("gnss-baseline-jump", RECEIVER, 100.0, 8.0, heading_deg=180.0),
@@ -111,7 +111,6 @@ def test_wrong_headings_are_refused() -> None:
 
 
 def test_without_second_antenna_the_gyros_find_the_heading() -> None:
-    from dual_runs import RECEIVER, fault
 
     lost = fault("gnss-baseline-lost", RECEIVER, 0.0)
     driven = drive("static", "duration_s=180", "profile.gyro_compass_s=100.0", f"fault=[{lost}]")

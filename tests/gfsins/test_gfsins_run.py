@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import pytest
-from gfsins_runs import Driven, drive, fault
+from board_run import Driven, fault
+from gfsins_runs import drive
 
 FAULTS = (
     fault("spi-missing", "accelerometer3", 20.0, 2.0),

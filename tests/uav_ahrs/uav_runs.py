@@ -3,37 +3,17 @@
 from __future__ import annotations
 
 import functools
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
+from board_run import Driven
 
-from host.record.result import RunRequest, RunResult
+from host.record.result import RunRequest
 from host.run.runner import run
 
 
-@dataclass(frozen=True)
-class Flown:
-    """A run, and what the board said."""
-
-    result: RunResult
-
-    def column(self, name: str) -> NDArray[np.float64]:
-        """Of its solutions (thinned where there are many)."""
-        assert self.result.data is not None
-        return self.result.data.solution.column(name)
-
-    def words(self) -> list[tuple[float, str]]:
-        """(s, text) of everything the board said."""
-        return [(event.at_s, event.text) for event in self.result.events if event.source == "board"]
-
-    def said(self, text: str, after_s: float = 0.0) -> float:
-        """When it first said something that begins like this."""
-        for at_s, words in self.words():
-            if at_s >= after_s and words.startswith(text):
-                return at_s
-        raise AssertionError(f"never said {text!r}; it said {self.words()}")
+class Flown(Driven):
+    """Of an attitude computer."""
 
     def worst_deg(self, from_s: float, to_s: float) -> float:
         """Largest error of any angle between two times."""
