@@ -3,9 +3,10 @@
     start(name)   WAITING: the table is to be brought into the position that `prompt` tells
     take()        it stands there: COLLECTING, then WAITING for the next, after the last SOLVING
     abandon()     IDLE again
-    DONE          result_lines, and the coefficients are stored; FAILED: result_lines tell why, take() tries again
+    DONE          result_lines; the coefficients are stored
+    FAILED        result_lines tell why; take() tries again
 
-`tick` belongs into the timer interrupt of 200 Hz, `service` into the background, ten times a second or more.
+`tick` belongs into the timer interrupt of 200 Hz, `service` into the background, ten times a second.
 """
 
 from __future__ import annotations
