@@ -8,6 +8,7 @@ from hal.can import CanController
 from hal.clock import Clock
 from hal.cpu import Cpu
 from hal.dual_port import DualPortMemory
+from hal.flash import FlashMemory
 from hal.i2c import I2cBus
 from hal.i2c_slave import I2cSlavePort
 from hal.interrupts import InterruptController
@@ -61,6 +62,7 @@ class BoardIo:
     captures: Mapping[str, CaptureTimer] = field(default_factory=dict)
     timers: Mapping[str, PeriodicTimer] = field(default_factory=dict)
     logs: Mapping[str, LogFile] = field(default_factory=dict)
+    flash: Mapping[str, FlashMemory] = field(default_factory=dict)
     memories: Mapping[str, DualPortMemory] = field(default_factory=dict)
     """This processor's side of each."""
     packet_senders: Mapping[str, PacketSender] = field(default_factory=dict)

@@ -13,6 +13,7 @@ The first thing that differs raises an AssertionError that shows both sides; so 
 from hal.scripted.can import ScriptedCan
 from hal.scripted.cpu import ScriptedCpu, ScriptedLine
 from hal.scripted.dual_port import ScriptedDualPort
+from hal.scripted.flash import ScriptedFlash
 from hal.scripted.i2c import ScriptedI2c
 from hal.scripted.i2c_slave import ScriptedI2cSlave
 from hal.scripted.packet_link import ScriptedPacketReceiver, ScriptedPacketSender
@@ -29,6 +30,7 @@ __all__ = [
     "ScriptedCapture",
     "ScriptedCpu",
     "ScriptedDualPort",
+    "ScriptedFlash",
     "ScriptedI2c",
     "ScriptedI2cSlave",
     "ScriptedInput",

@@ -17,6 +17,9 @@ One step a line; `#` starts a comment, which also names the step in messages. By
     pin NAME high|low
     timer NAME start RATE, timer NAME stop, capture NAME start
     log NAME append BYTES, log NAME sync        failed (done without a reply)
+    flash NAME read PLACE N                     N BYTES
+    flash NAME erase BLOCK                      failed (done without a reply)
+    flash NAME program PLACE BYTES              failed (done without a reply)
     watchdog start NS, watchdog kick
     delay NS
 
@@ -56,6 +59,7 @@ ACTIONS = (
     "timer",
     "capture",
     "log",
+    "flash",
     "watchdog",
     "delay",
 )

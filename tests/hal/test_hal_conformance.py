@@ -6,6 +6,7 @@ from typing import Any
 
 import dual_port_benches
 import emulated_benches as emulated
+import flash_benches
 import processor_link_benches as links
 import pytest
 import scripted_benches as scripted
@@ -14,6 +15,7 @@ from hal.conformance import (
     can,
     clock,
     dual_port,
+    flash,
     i2c,
     i2c_slave,
     interrupts,
@@ -42,6 +44,7 @@ BENCHES: dict[ModuleType, dict[str, Callable[[], Any]]] = {
     packet_link: {"emulated": links.EmulatedPackets, "scripted": links.ScriptedPackets},
     i2c_slave: {"emulated": links.EmulatedSlave, "scripted": links.ScriptedSlave},
     storage: {"emulated": emulated.EmulatedStorage, "scripted": scripted.ScriptedStorage},
+    flash: {"emulated": flash_benches.EmulatedFlashBench, "scripted": flash_benches.ScriptedFlashBench},
     watchdog: {"emulated": emulated.EmulatedWatchdogBench},
 }
 
