@@ -7,6 +7,7 @@ from firmware.apps.gfsins.alignment import Alignment
 from firmware.apps.gfsins.equivalent_feed import EquivalentFeed
 from firmware.apps.gfsins.navigation import Navigation
 from firmware.apps.gfsins.reception import Reception
+from firmware.apps.gfsins.sensor_flags import SensorFlags
 from firmware.apps.gfsins.settings import Settings
 from firmware.apps.gnss_ins.output import Output
 from firmware.nav.gyro_free import packet as pk
@@ -27,6 +28,7 @@ class Flight:
         reception: Reception,
         news: AcquisitionNews,
         output: Output,
+        sensor_flags: SensorFlags,
     ) -> None:
         self.is_aligned = False
         self.beginning: tuple[float, float, float] | None = None
@@ -43,6 +45,7 @@ class Flight:
         self._reception = reception
         self._news = news
         self._output = output
+        self._note = sensor_flags.note
         self._clock = io.clock
         self._spend = io.cpu.spend
         cost = io.cpu.cost
@@ -64,6 +67,9 @@ class Flight:
     def _take(self) -> None:
         words = self._reception.words
         self._navigation.samples_missed = self._reception.lost
+        flags = int(words[pk.FLAGS])
+        if flags:
+            self._note(flags, self._reception.tick_ns)
         if not self.is_aligned:
             self._align()
             return
@@ -72,7 +78,6 @@ class Flight:
         if not navigation.has_state:
             self.restarts += navigation.begin_again(self._reception.tick_ns - 1000)
         done: int = navigation.door.take(words, self._feed.felt)
-        flags = int(words[pk.FLAGS])
         step, compass, gps, fusion = self._costs
         if flags & pk.HAS_COMPASS:
             step += compass

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -40,8 +40,16 @@ class Navigation(NavigationState):
         super().__init__(kernels, NavConfig(), f.size, i.size)
         self.f, self.i = f, i
         self.door = PacketDoor(self.federation)
+        self.flags_of: Callable[[int], int] | None = None
+        """Flags of a solution from those of the master, which has no measurements of its own."""
         self.samples_missed = 0
         self.samples_repeated = 0
+
+    def fill_solution(self) -> None:
+        """The master's, with flags that know the sensors."""
+        super().fill_solution()
+        if self.flags_of is not None:
+            self.integers[record.FLAGS] = self.flags_of(int(self.integers[record.FLAGS]))
 
     def start(self, start: Beginning) -> None:
         """Navigate from there."""

@@ -13,6 +13,7 @@ from firmware.apps.gfsins.background import Background
 from firmware.apps.gfsins.flight import Flight
 from firmware.apps.gfsins.navigation import Navigation, filter_config
 from firmware.apps.gfsins.reception import Reception
+from firmware.apps.gfsins.sensor_flags import SensorFlags
 from firmware.apps.gfsins.settings import Settings
 from firmware.apps.gfsins.words import Words
 from firmware.apps.gnss_ins.announcements import Announcer
@@ -46,7 +47,10 @@ class Navigator:
         output = Output(
             io, navigation, news, news, port=io.uart["host"], clock=io.clock, task_frames=settings.task_frames
         )
-        flight = Flight(io, settings, navigation, reception, news, output)
+        uses_registers = settings.feed == "adxl345"
+        sensor_flags = SensorFlags(io.clock, reception, news, navigation.federation.n, uses_registers)
+        navigation.flags_of = sensor_flags.of
+        flight = Flight(io, settings, navigation, reception, news, output, sensor_flags)
         words = Words(navigation, reception, news, output)
         background = Background(io, news, output, Announcer(io.clock, news, output), words, flight)
         flight.begin()

@@ -21,6 +21,7 @@ TICK_TO_PACKET_NS = 560_000
 LONGEST_CHAIN_NS = 4_000_000
 """An edge of the sync line longer ago is not that of the packet that came."""
 WORD_MASK = 0xFFFF
+NEVER_NS = -(10**15)
 
 
 class Reception:
@@ -38,6 +39,10 @@ class Reception:
         """Packets that came while the one before waited for the task."""
         self.restarts = 0
         """Sequence numbers that went back: the FPGA has begun anew."""
+        self.gap_ns = NEVER_NS
+        """When packets were found missing last."""
+        self.synced = True
+        """Whether the sync line dated the last packet."""
         self.tick_ns = 0
         """Of the packet in `words`, on the DSP's clock."""
         self._receiver = io.packet_receivers["packets"]
@@ -98,8 +103,10 @@ class Reception:
         fpga_us = high << 32 | middle << 16 | low
         if fpga_us <= self._fpga_us:
             self.restarts += 1
-        elif self._sequence >= 0:
+            self.gap_ns = now_ns
+        elif self._sequence >= 0 and sequence != self._sequence + 1 & WORD_MASK:
             self.lost += (sequence - self._sequence - 1) & WORD_MASK
+            self.gap_ns = now_ns
         self._sequence, self._fpga_us = sequence, fpga_us
         self.good += 1
         self.tick_ns = tick_ns = max(self._dated(now_ns), self.tick_ns + 1000)
@@ -113,7 +120,9 @@ class Reception:
             edges, edge_ns = self._sync.captured()
             if edges != self._edges and now_ns - edge_ns < LONGEST_CHAIN_NS:
                 self._edges = edges
+                self.synced = True
                 return edge_ns
+            self.synced = False
         return now_ns - TICK_TO_PACKET_NS
 
     def _on_task(self) -> None:
