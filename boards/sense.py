@@ -1,4 +1,4 @@
-"""What a chip feels, with the defects of its sensor element: frozen, stuck, saturated, drifting.
+"""What a chip feels, with the defects of its sensor element: frozen, stuck, saturated, drifting, turned.
 
 A defect changes what the world tells within its time, by the instants of the samples: chips ask for samples
 ahead. The chip behind it quantises, filters, clips and sends as ever. `fired` counts samples (of a receiver:
@@ -111,6 +111,26 @@ class Saturated(Stuck):
 
     def __init__(self, *args: Any, negative: bool = False, **kwargs: Any) -> None:
         super().__init__(*args, value=-BEYOND_ALL_RANGES if negative else BEYOND_ALL_RANGES, **kwargs)
+
+
+class Turned(Defect):
+    """The sensor sits turned by 180° about `axis`, one of the three: the other two show the opposite."""
+
+    def __init__(self, *args: Any, **kwargs: Any) -> None:
+        super().__init__(*args, **kwargs)
+        if self._axis == "all":
+            raise ValueError("axis 'all'; a sensor is turned about 'x', 'y' or 'z'")
+
+    def apply(self, times_ns: Times, values: Floats) -> None:
+        """Change the signs in its time."""
+        struck = np.flatnonzero((times_ns >= self.start_ns) & (times_ns < self.end_ns))
+        self.fired += len(struck)
+        for quantity in self._quantities:
+            columns = COLUMNS[values.shape[1]][quantity]
+            if len(columns) == len(AXES):
+                for k, column in enumerate(columns):
+                    if k != AXES[self._axis]:
+                        values[struck, column] *= -1.0
 
 
 class Drift(Defect):

@@ -8,6 +8,8 @@
 | spi-register | SPI device | register, value: reads of one register give value |
 | spi-word-slip | SPI device | bits: answers come so many clocks late |
 | spi-late | SPI device | each answer is that of the transaction before |
+| spi-frozen | SPI device | every request gets the answer that it got first |
+| spi-swapped | SPI device | with: the device whose chip has its wires; "" the next of its part |
 | spi-byte-loss, spi-byte-duplication | SPI device | probability a byte of the answer |
 | i2c-nack | I²C device | byte = −1: the address is refused; 0, 1, …: from that byte on |
 | i2c-bit-errors | I²C device | probability a bit, line = "read" or "write" |
@@ -20,6 +22,7 @@
 | pin-stuck | net | level: a data-ready or time pulse that nobody sees |
 | sensor-frozen | reference designator | quantity = "all" or one, axis |
 | sensor-stuck, -saturated, -drift | reference designator | quantity = "" (its first) or one, axis |
+| sensor-turned | reference designator | quantity = "all" or one, axis about which it is turned by 180° |
 | chip-reset | reference designator | a dip of the supply: brown-out reset |
 | chip-off | reference designator | supply off for the duration |
 | chip-wrong-id | reference designator | id that it answers with |
@@ -27,6 +30,7 @@
 | chip-halt | reference designator | its sample clock stands still: stale data |
 | chip-flags | reference designator | flags that it raises with every sample |
 | chip-supply | reference designator | volts of its supply |
+| chip-busy | reference designator | factor by which the delays of its commands are longer, nack |
 | log-removed | log | the card is pulled |
 | nav-nan | processor | a kernel leaves NaN behind in its state |
 | cpu-reset | processor | reset of the processor |
@@ -40,7 +44,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from boards.sense import Defect, Drift, Frozen, Saturated, Stuck
+from boards.description import Board
+from boards.hints import did_you_mean
+from boards.sense import Defect, Drift, Frozen, Saturated, Stuck, Turned
 from hal.emulated import faults as wire_faults
 from hal.emulated.virtual_time import FAR
 from host.run.fault_site import Effect, Site
@@ -78,6 +84,38 @@ def _override_register(site: Site) -> Effect:
         lambda: chip.override_register(register, None),
     )
     return Effect(lambda: chip.overridden_reads, effect.lift)
+
+
+def _swap_chips(site: Site) -> Effect:
+    """The chips of two devices of the same part have each other's wires."""
+    devices = site.board.spi_devices
+    device = site.of(devices, "SPI device")
+    name = site.parameters(**{"with": ""})["with"] or partner_of(site.board.description, device.name)
+    if name not in devices:
+        hint = did_you_mean(name, devices)
+        raise ValueError(f'parameters.with = "{name}": the board has no such SPI device; {hint}')
+    one, other = (wire_faults.SpiSwappedChips(site.start, site.end) for _ in range(2))
+    one.install_with(device, devices[name], other)
+
+    def lift() -> None:
+        one.lift()
+        other.lift()
+
+    return Effect(lambda: one.fired + other.fired, lift)
+
+
+def partner_of(board: Board, name: str) -> str:
+    """The SPI device behind that one with a chip of the same part, in the order of the board; behind the last
+    comes the first. Raises ValueError when there is none."""
+    part = next(chip.part for refdes, chip in board.chips.items() if (chip.name or refdes) == name)
+    alike = [
+        chip.name or refdes
+        for refdes, chip in board.chips.items()
+        if chip.part == part and chip.bus is not None and board.buses[chip.bus].kind == "spi"
+    ]
+    if len(alike) < 2:
+        raise ValueError(f"the board has no other {part} on SPI; name a device, parameters.with")
+    return alike[(alike.index(name) + 1) % len(alike)]
 
 
 def _on_i2c(kind: type[wire_faults.I2cFault], **defaults: Any) -> Maker:
@@ -153,7 +191,7 @@ def _in_sensor(kind: type[Defect], quantity: str, receiver_too: bool = False, **
 
     def place(site: Site) -> Effect:
         chip = site.of(site.board.chips, "chip")
-        options = site.parameters(quantity=quantity, axis="all", **defaults)
+        options = site.parameters(**{"quantity": quantity, "axis": "all", **defaults})
         struck = _quantities(site, chip, options.pop("quantity"), receiver_too)
         defect = kind(site.start, site.end, struck, **options)
         site.board.senses[site.fault.target].defects.append(defect)
@@ -171,7 +209,7 @@ def _in_sensor(kind: type[Defect], quantity: str, receiver_too: bool = False, **
 def _quantities(site: Site, chip: Any, asked: str, receiver_too: bool) -> tuple[str, ...]:
     measured: tuple[str, ...] = getattr(chip, "measures", ())
     if not measured:
-        if receiver_too and asked == "all":
+        if receiver_too and asked == "all" and site.fault.target in site.board.senses:
             return ()
         raise ValueError(
             f"{site.fault.target} is no sensor of force, rate, field or pressure; of a receiver there are"
@@ -221,7 +259,7 @@ def _once(site: Site, begin: Callable[[], Any], end: Callable[[], Any] | None = 
 
 def _reset_chip(site: Site) -> Effect:
     site.parameters()
-    chip = site.of(site.board.chips, "chip")
+    chip = _able(site, "power")
 
     def dip() -> None:
         chip.power(False)
@@ -232,7 +270,7 @@ def _reset_chip(site: Site) -> Effect:
 
 def _switch_chip_off(site: Site) -> Effect:
     site.parameters()
-    chip = site.of(site.board.chips, "chip")
+    chip = _able(site, "power")
     return _once(site, lambda: chip.power(False), lambda: chip.power(True))
 
 
@@ -309,6 +347,15 @@ def _sag_supply(site: Site) -> Effect:
     return _once(site, lambda: set_supply(volts), lambda: set_supply(own))
 
 
+def _keep_busy(site: Site) -> Effect:
+    chip = _able(site, "be_busy")
+    options = site.parameters(factor=5.0, nack=False)
+    factor, nacks = options["factor"], options["nack"]
+    chip.be_busy(factor, nacks)  # refused now rather than in flight
+    chip.be_prompt()
+    return _once(site, lambda: chip.be_busy(factor, nacks), chip.be_prompt)
+
+
 def _pull_card(site: Site) -> Effect:
     site.parameters()
     log = site.of(site.board.logs, "log")
@@ -334,6 +381,8 @@ KINDS: dict[str, Maker] = {
     "spi-register": _override_register,
     "spi-word-slip": _on_spi(wire_faults.SpiWordSlip, bits=1),
     "spi-late": _on_spi(wire_faults.SpiLateAnswers),
+    "spi-frozen": _on_spi(wire_faults.SpiFrozenAnswers),
+    "spi-swapped": _swap_chips,
     "spi-byte-loss": _on_spi(wire_faults.SpiByteSlips, probability=1e-3),
     "spi-byte-duplication": _on_spi(wire_faults.SpiByteSlips, {"doubled": True}, probability=1e-3),
     "i2c-nack": _on_i2c(wire_faults.I2cNack, byte=-1),
@@ -359,6 +408,7 @@ KINDS: dict[str, Maker] = {
     "sensor-stuck": _in_sensor(Stuck, "", value=0.0),
     "sensor-saturated": _in_sensor(Saturated, "", negative=False),
     "sensor-drift": _in_sensor(Drift, "", rate=0.01),
+    "sensor-turned": _in_sensor(Turned, "all", axis="z"),
     "chip-reset": _reset_chip,
     "chip-off": _switch_chip_off,
     "chip-wrong-id": _mistake_id,
@@ -366,6 +416,7 @@ KINDS: dict[str, Maker] = {
     "chip-halt": _halt_chip,
     "chip-flags": _raise_flags,
     "chip-supply": _sag_supply,
+    "chip-busy": _keep_busy,
     "log-removed": _pull_card,
     "nav-nan": _spoil_state,
     "cpu-reset": _reset_cpu,

@@ -105,7 +105,9 @@ class Hmc6343:
         self.address = self.eeprom[eeprom.SLAVE_ADDRESS] >> 1
         """At which it is put on its bus."""
         self._time = time
-        self._nacks = early == "nack"
+        self._nacks = self._nacks_early = early == "nack"
+        self._slowness = 1.0
+        """By which the delays of its commands are longer than the sheet's."""
         self._measurements = Measurements(world, round(clock_error_ppm * 1000.0))
         self._too_fast = False
         self._event: Event | None = None
@@ -165,6 +167,17 @@ class Hmc6343:
         self._measurements.set_clock_error(self._time.now, round(ppm * 1000.0))
         self._schedule(self._time.now)
 
+    def be_busy(self, factor: float, nacks: bool) -> None:
+        """From now on each command takes `factor` times its delay; what comes within is refused, or gets the
+        response before."""
+        if not 1.0 <= factor <= 10_000.0:
+            raise ValueError(f"delays {factor} times as long; the factor lies in 1 … 10000, e.g. 5.0")
+        self._slowness, self._nacks = factor, nacks
+
+    def be_prompt(self) -> None:
+        """With its own delays again."""
+        self._slowness, self._nacks = 1.0, self._nacks_early
+
     # -- I²C ---------------------------------------------------------------------------------------
 
     def clocked_at(self, frequency_hz: int) -> None:
@@ -185,7 +198,7 @@ class Hmc6343:
             return 0
         known = self._answers.get(data)
         if known is not None and self._ready_ns <= time_ns < self._measurements.until_ns:
-            self._ready_ns = time_ns + POST_NS
+            self._ready_ns = time_ns + round(POST_NS * self._slowness)
             self._old, self._response = self._response, known
             return 1
         if time_ns < self._ready_ns:
@@ -231,7 +244,7 @@ class Hmc6343:
     # -- commands ----------------------------------------------------------------------------------
 
     def _obey(self, number: int, command: Command, arguments: bytes, time_ns: int) -> None:
-        self._ready_ns = time_ns + command.delay_ns
+        self._ready_ns = time_ns + round(command.delay_ns * self._slowness)
         if command.response and number != code.READ_EEPROM:
             self._response = self._answer(number, time_ns)
             return

@@ -23,6 +23,7 @@ from hal.emulated.faults.spi import (
     SpiStuckMiso,
     SpiWordSlip,
 )
+from hal.emulated.faults.spi_chips import SpiFrozenAnswers, SpiSwappedChips
 from hal.emulated.faults.uart import (
     UartBitErrors,
     UartByteDuplication,
@@ -54,10 +55,12 @@ __all__ = [
     "SpiBitErrors",
     "SpiByteSlips",
     "SpiFault",
+    "SpiFrozenAnswers",
     "SpiLateAnswers",
     "SpiMissingChip",
     "SpiRegisterOverride",
     "SpiStuckMiso",
+    "SpiSwappedChips",
     "SpiWordSlip",
     "UartBitErrors",
     "UartByteDuplication",
