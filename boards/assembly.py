@@ -171,9 +171,11 @@ def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Su
     feels = getattr(model, "feels", chip.world)
     if chip.world != feels:
         raise DescriptionError(f'chips.{refdes}.world = "{chip.world}": a {chip.part} feels "{feels}"')
-    sense = Sense(getattr(surroundings, chip.world)(refdes, chip))
-    board.senses[refdes] = sense
-    arguments: list[Any] = [board.time, sense]
+    arguments: list[Any] = [board.time]
+    if chip.is_sensor:
+        sense = Sense(getattr(surroundings, chip.world)(refdes, chip))
+        board.senses[refdes] = sense
+        arguments.append(sense)
     if chip.uart is not None:
         arguments.append(board.to_board[chip.uart])
     try:
@@ -188,10 +190,12 @@ def _place_chip(board: AssembledBoard, refdes: str, chip: Chip, surroundings: Su
         placed.pins[pin] = board.net(net)
     if chip.bus is not None:
         _connect_to_bus(board, refdes, chip, placed)
-    else:
-        assert chip.uart is not None
+    elif chip.uart is not None:
         wire = board.from_board[chip.uart]
         wire.connect(placed, rate_of=board.to_board[chip.uart])
+    begin = getattr(placed, "wired", None)
+    if begin is not None:
+        begin()
     if chip.supply is not None:
         placed.power(False)
         board.net(chip.supply).listen(lambda level, _time_ns: placed.power(level))

@@ -79,7 +79,8 @@ class Chip(Facts):
     bus: str | None = None
     uart: str | None = None
     name: str | None = None
-    world: Literal["imu", "gnss", "compass", "ten_dof"]
+    world: Literal["imu", "gnss", "compass", "ten_dof", "none"]
+    """What it feels; "none": a display, keys, a switch."""
     errors: str | None = None
     mounting: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     lever_arm_m: Vector3 = (0.0, 0.0, 0.0)
@@ -89,6 +90,11 @@ class Chip(Facts):
     supply: str | None = None
     spi: SpiWords | None = None
     parameters: dict[str, Any] = {}
+
+    @property
+    def is_sensor(self) -> bool:
+        """Whether it feels anything."""
+        return self.world != "none"
 
     @property
     def is_inertial(self) -> bool:
@@ -257,12 +263,13 @@ class Board(Facts):
             for end in interconnect.processors:
                 _must_be_known("processor", end, self.processors, name)
         for refdes, chip in self.chips.items():
-            if (chip.bus is None) == (chip.uart is None):
+            has_pins_alone = not chip.is_sensor and bool(chip.pins) and chip.bus is chip.uart is None
+            if (chip.bus is None) == (chip.uart is None) and not has_pins_alone:
                 raise ValueError(f"chip {refdes} must name either a bus or a uart")
             if chip.bus is not None:
                 _must_be_known("bus", chip.bus, self.buses, refdes)
-            else:
-                _must_be_known("uart", str(chip.uart), self.uarts, refdes)
+            elif chip.uart is not None:
+                _must_be_known("uart", chip.uart, self.uarts, refdes)
         _must_be_known("profile", self.default_profile, self.profiles, "default_profile")
         return self
 

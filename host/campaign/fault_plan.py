@@ -81,10 +81,11 @@ def _with(request: RunRequest, strike: Strike) -> RunRequest:
 
 
 def _spi_devices(board: Board) -> list[str]:
+    """Of sensors: display and keys have no part in navigation."""
     return [
         chip.name or refdes
         for refdes, chip in board.chips.items()
-        if chip.bus is not None and board.buses[chip.bus].kind == "spi"
+        if chip.is_sensor and chip.bus is not None and board.buses[chip.bus].kind == "spi"
     ]
 
 
@@ -93,7 +94,7 @@ def _packet_links(board: Board) -> list[str]:
 
 
 def _chips(board: Board) -> list[str]:
-    return list(board.chips)
+    return [refdes for refdes, chip in board.chips.items() if chip.is_sensor]
 
 
 def able(ability: str) -> Callable[[Board], list[str]]:
@@ -134,7 +135,8 @@ def _i2c_buses(board: Board) -> list[str]:
 def _nets_from_chips(board: Board) -> list[str]:
     """Nets on which a chip tells a processor something."""
     heard = {pin.net for pin in board.pins.values() if pin.wired and pin.use != "output"}
-    return [net for chip in board.chips.values() for net in chip.pins.values() if net in heard]
+    sensors = [chip for chip in board.chips.values() if chip.is_sensor]
+    return [net for chip in sensors for net in chip.pins.values() if net in heard]
 
 
 def _lines_from_chips(board: Board) -> list[str]:

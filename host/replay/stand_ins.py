@@ -64,7 +64,7 @@ class StandIn:
     def __init__(
         self,
         _time: VirtualTime,
-        _world: object,
+        _world: object = None,
         _line: UartWire | None = None,
         *,
         pin_names: tuple[str, ...],

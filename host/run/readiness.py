@@ -18,6 +18,7 @@ from host.record.errors import UserError
 from host.record.result import RunRequest
 from host.run.faults import Placed, name_of, place_faults
 from host.run.intake import HOST_PORT
+from host.run.panel import Panel, panel_of
 from host.run.setup import Setup, resolve
 from host.run.surroundings import Surroundings
 from host.run.warm_up import warm_up
@@ -42,6 +43,8 @@ class Ready:
     surroundings: Surroundings
     board: AssembledBoard
     faults: list[Placed]
+    panel: Panel | None
+    """None: the board has no keys, display or mode switch."""
 
 
 def prepared(request: RunRequest) -> tuple[Setup, World]:
@@ -70,7 +73,8 @@ def make_ready(
         faults = place_faults(
             world.scenario.fault, board, surroundings.sights, request.seed, world.duration_ns
         )
-    return Ready(surroundings, board, faults)
+        panel = panel_of(board, world.scenario.panel)
+    return Ready(surroundings, board, faults, panel)
 
 
 def board_source(request: RunRequest) -> str:

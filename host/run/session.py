@@ -27,6 +27,7 @@ from host.run.faults import Placed
 from host.run.garbage import collect_young, undisturbed
 from host.run.intake import HOST_PORT, LinkIntake
 from host.run.listening import Ears
+from host.run.panel import Panel
 from host.run.readiness import Ready, StandIn, board_source, make_ready, prepared, user_errors
 from host.run.setup import Setup
 from host.run.surroundings import Installation, ReceiverSight, Surroundings
@@ -56,6 +57,8 @@ class RunSession:
         self.surroundings: Surroundings = ready.surroundings
         self.faults: list[Placed] = ready.faults
         """Those of the scenario; further ones may be appended as they are placed."""
+        self.panel: Panel | None = ready.panel
+        """What an operator has before him."""
         board = self.board
         cpu = board.cpus[board.description.uarts[HOST_PORT].processor]
         self._intake = LinkIntake(

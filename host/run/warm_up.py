@@ -30,6 +30,7 @@ from firmware.numerics.claims import claim
 from firmware.numerics.dialect import INTERPRETED, entries_named, kept_file
 from hal.emulated.can_frame import ends_of_sets
 from host.record.row_text import RowText
+from host.run.panel import panel_of
 from host.run.setup import Setup
 from host.run.surroundings import Surroundings
 from host.sim.compiled import keep_code_of_chips
@@ -51,13 +52,14 @@ def warm_up(setup: Setup, another_world: Callable[[], World], notice: Callable[[
 
     Once for each board and profile in a process; `another_world` makes a world like that of the run.
     """
-    key = repr((setup.board, setup.profile, setup.scenario.kind))
+    key = repr((setup.board, setup.profile, setup.scenario.kind, setup.scenario.panel.mode))
     if key in _warm:
         return
     keep_code_of_chips()
     world = another_world()
     with entries_named() as kernels:
         board = assemble(setup.board, setup.profile, Surroundings(world, None))
+        panel_of(board, setup.scenario.panel)
         board.machine.run_until(BOOT_NS)
     compile_missing(kernels, lambda: _exercise(setup.board, world), notice)
     _exercise(setup.board, world)

@@ -8,7 +8,8 @@ of the panel, the grey table (levels are shown as they are), odd-even split of t
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,9 +32,19 @@ class InputNet(Protocol):
     level: bool
 
 
+@runtime_checkable
+class ListenedNet(Protocol):
+    """A net that tells of its edges."""
+
+    def listen(self, callback: Callable[[bool, int], None]) -> None:
+        """Call `callback(level, time_ns)` at every change."""
+        ...
+
+
 class Ssd1325:
     """The controller with a panel of 128 × 64."""
 
+    feels = "none"
     spi_modes = (0, 3)
 
     def __init__(self, time: VirtualTime, *, strict: bool = False, name: str = "ssd1325") -> None:
@@ -43,6 +54,16 @@ class Ssd1325:
         self._time = time
         self.powered = True
         self._reset()
+
+    def wired(self) -> None:
+        """The nets are connected: RES acts at once, also between transfers."""
+        reset = self.pins["RES"]
+        if isinstance(reset, ListenedNet):
+            reset.listen(self._on_reset_pin)
+
+    def _on_reset_pin(self, level: bool, _time_ns: int) -> None:
+        if not level:
+            self._reset()
 
     @property
     def reports(self) -> list[AccessReport]:

@@ -24,7 +24,9 @@ class KeyNet(Protocol):
 
 
 class Keypad:
-    """Six keys; nobody's finger but the test's or the live view's."""
+    """Six keys; nobody's finger but the test's, the scenario's or the live view's."""
+
+    feels = "none"
 
     def __init__(self, time: VirtualTime, *, bounces: int = BOUNCES, name: str = "keypad") -> None:
         if bounces < 0:
@@ -37,8 +39,8 @@ class Keypad:
         self._time = time
         self._bounces = bounces
 
-    def release_all(self) -> None:
-        """No key is held: all nets high. Call once when the nets are connected."""
+    def wired(self) -> None:
+        """The nets are connected: no key is held, all of them are high."""
         for key in KEYS:
             self._drive(key, True)
         self.held.clear()

@@ -8,18 +8,16 @@ main          compass and set-up of the receiver, chips that went missing, watch
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
 import numpy as np
 
 from firmware.apps.gfsins import commands
-from firmware.apps.gfsins.accelerations import CHIPS, NOMINAL_SCALE, fill_accelerations
+from firmware.apps.gfsins.accelerations import CHIPS, fill_accelerations
 from firmware.apps.gfsins.accelerometers import Accelerometers
 from firmware.apps.gfsins.compass_line import CompassLine
+from firmware.apps.gfsins.corrections import Corrections
 from firmware.apps.gfsins.packet_words import put_compass, put_epoch
 from firmware.apps.gfsins.receiver_line import ReceiverLine
-from firmware.apps.gfsins.settings import TICKS_PER_S, Settings
+from firmware.apps.gfsins.settings import TICKS_PER_S
 from firmware.drivers.hmc6343 import Outcome as CompassOutcome
 from firmware.nav.gyro_free import packet as pk
 from firmware.numerics.dialect import entry_point
@@ -31,17 +29,12 @@ WATCHDOG_NS = 4_000_000_000
 COMPASS_OUTCOMES = tuple(CompassOutcome)
 
 
-def program(io: BoardIo, profile: Mapping[str, Any], installation: Mapping[str, Any]) -> Acquisition:
-    """The program in the FPGA's flash. Raises ValueError for a profile that no program could mean."""
-    Settings.of(profile)
-    return Acquisition(io)
-
-
 class Acquisition:
     """Implements `hal.board_io.Program`."""
 
-    def __init__(self, io: BoardIo) -> None:
+    def __init__(self, io: BoardIo, corrections: Corrections) -> None:
         self._io = io
+        self._scales, self._offsets = corrections.scales, corrections.offsets
         self._fill = entry_point(fill_accelerations)
         self._seal = entry_point(pk.seal_packet)
         self._starts = 0
@@ -57,8 +50,6 @@ class Acquisition:
         self._data = np.zeros(pk.BYTES, np.uint8)
         self._chips = Accelerometers(io)
         self._raw = np.frombuffer(self._chips.raw, np.uint8)
-        self._scales = np.full(9, NOMINAL_SCALE, np.int64)
-        self._offsets = np.zeros(9, np.int64)
         self._compass = CompassLine(io)
         self._receiver = ReceiverLine(io)
         self._sender = io.packet_senders["packets"]

@@ -16,6 +16,7 @@ from host.sim.errors.schema import ImuErrors
 from host.sim.gnss.settings import GnssSettings
 from host.sim.scenario.motion_matrix import segment_of_row
 from host.sim.scenario.motion_schema import AnySegment
+from host.sim.scenario.panel_schema import Panel
 from host.sim.schema import NotNegative, Positive, Table
 
 GPS_EPOCH = datetime(1980, 1, 6, tzinfo=UTC)
@@ -276,6 +277,7 @@ class Scenario(Table):
         default=[], examples=[[{"polygon": [[30.53, 114.35], [30.53, 114.36], [30.54, 114.36]]}]]
     )
     fault: Annotated[list[Fault], AfterValidator(_with_names)] = Field(default_factory=list)
+    panel: Panel = Panel()
     recording: RecordingSource | None = Field(default=None, examples=[{"file": "comma2k19/example_1.npz"}])
     board: dict[str, Any] = Field(default={}, examples=[{"chips": {"U3": {"lever_arm_m": [0.0, 0.0, 0.0]}}}])
     """What of the board's description is otherwise in this scenario: the same tables, merged key by key."""

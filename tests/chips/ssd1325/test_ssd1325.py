@@ -138,7 +138,7 @@ def test_keys_bounce_and_settle() -> None:
     pad = Keypad(time)
     net = Net(time, "OK")
     pad.pins["OK"] = net
-    pad.release_all()
+    pad.wired()
     assert net.level
     changes: list[bool] = []
     net.listen(lambda level, _time_ns: changes.append(level))

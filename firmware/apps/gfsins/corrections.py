@@ -1,0 +1,46 @@
+"""Scale and offset of the nine accelerations: what the FPGA keeps in its flash and applies at every tick.
+
+Scales are words of 0.5 mg for a count of 1/256 g, in units of 2⁻¹⁶; offsets are words. The limits are wider
+than what the data sheet of the ADXL345 leaves open (sensitivity ±10 %, zero ±0.25 g): beyond them a number is
+a slip.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from firmware.apps.gfsins.accelerations import NOMINAL_SCALE
+
+AXES: Final = 9
+LEAST_SCALE: Final = NOMINAL_SCALE * 85 // 100
+LARGEST_SCALE: Final = NOMINAL_SCALE * 115 // 100
+LARGEST_OFFSET: Final = 800
+"""0.4 g."""
+
+
+class Corrections:
+    """Of both modes; outlives a reset of the processor."""
+
+    def __init__(self) -> None:
+        self.scales = np.full(AXES, NOMINAL_SCALE, np.int64)
+        self.offsets = np.zeros(AXES, np.int64)
+        self.changes = 0
+        """Counts up with each new number."""
+
+    def set_scale(self, axis: int, scale: int) -> bool:
+        """Axis 0 is A1. False: outside the limits, nothing has changed."""
+        if not 0 <= axis < AXES or not LEAST_SCALE <= scale <= LARGEST_SCALE:
+            return False
+        self.scales[axis] = scale
+        self.changes += 1
+        return True
+
+    def set_offset(self, axis: int, offset: int) -> bool:
+        """False: outside the limits, nothing has changed."""
+        if not 0 <= axis < AXES or abs(offset) > LARGEST_OFFSET:
+            return False
+        self.offsets[axis] = offset
+        self.changes += 1
+        return True

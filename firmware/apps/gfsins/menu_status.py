@@ -1,0 +1,44 @@
+"""The status page: who is there and who is not."""
+
+from __future__ import annotations
+
+from firmware.apps.gfsins.accelerations import CHIPS
+from firmware.apps.gfsins.menu import Menu, two_ends
+from firmware.apps.gfsins.settings_health import SettingsHealth, chip_digits
+
+
+class StatusPage:
+    """Implements `Page`; any key leaves it."""
+
+    marked: int | None = None
+
+    def __init__(self, health: SettingsHealth) -> None:
+        self._health = health
+
+    def lines(self) -> list[str]:
+        """As of now."""
+        health = self._health
+        sampling = health.sampling
+        chips = sampling.chips
+        return [
+            "STATUS",
+            two_ends("chips", _chips(chips.missing, chips.stuck)),
+            two_ends("compass", sampling.compass.outcome.value),
+            two_ends("GPS", health.receiver_words),
+            two_ends("GPS epochs", str(sampling.receiver.epochs)),
+            two_ends("DSP", "silent" if health.dsp_is_silent else "answers"),
+            two_ends("keys", f"{health.stuck_keys[0]} stuck" if health.stuck_keys else "ok"),
+        ]
+
+    def press(self, key: str, menu: Menu) -> None:
+        """Whatever it is."""
+        menu.back()
+
+
+def _chips(missing: int, stuck: int) -> str:
+    told = []
+    if missing:
+        told.append(f"no {chip_digits(missing)}")
+    if stuck:
+        told.append(f"stuck {chip_digits(stuck)}")
+    return " ".join(told) or f"all {CHIPS}"
