@@ -56,6 +56,11 @@ class CompassLine:
         found, self._waiting = self._waiting, None
         return found
 
+    def field(self) -> tuple[int, ...] | None:
+        """Counts of the magnetometer along x, y, z, now; takes 4 ms."""
+        found = self._driver.vectors()
+        return None if found is None else found[1]
+
     def _read(self) -> tuple[int, int, int] | None:
         if not self._driver.read():
             return None
