@@ -13,8 +13,9 @@ import numpy as np
 from firmware.apps.gfsins import commands
 from firmware.apps.gfsins.accelerations import CHIPS, fill_accelerations
 from firmware.apps.gfsins.accelerometers import Accelerometers
+from firmware.apps.gfsins.calibration import Calibration
+from firmware.apps.gfsins.coefficients import FIRST_WORD, WORDS
 from firmware.apps.gfsins.compass_line import CompassLine
-from firmware.apps.gfsins.corrections import Corrections
 from firmware.apps.gfsins.packet_words import put_compass, put_epoch
 from firmware.apps.gfsins.receiver_line import ReceiverLine
 from firmware.apps.gfsins.settings import TICKS_PER_S
@@ -32,9 +33,10 @@ COMPASS_OUTCOMES = tuple(CompassOutcome)
 class Acquisition:
     """Implements `hal.board_io.Program`."""
 
-    def __init__(self, io: BoardIo, corrections: Corrections) -> None:
+    def __init__(self, io: BoardIo, calibration: Calibration) -> None:
         self._io = io
-        self._scales, self._offsets = corrections.scales, corrections.offsets
+        self._calibration = calibration
+        self._scales, self._offsets = calibration.corrections.scales, calibration.corrections.offsets
         self._fill = entry_point(fill_accelerations)
         self._seal = entry_point(pk.seal_packet)
         self._starts = 0
@@ -54,6 +56,7 @@ class Acquisition:
         self._receiver = ReceiverLine(io)
         self._sender = io.packet_senders["packets"]
         self._dropped = 0
+        self._coefficients = self._calibration.packet_words()
         self._sync = io.outputs["sync"]
         self._slave = io.i2c_slaves["commands"]
         self._tick_cost = io.cpu.cost("tick")
@@ -127,6 +130,9 @@ class Acquisition:
         tick_us = tick_ns // 1000
         words[2:6] = self._sequence, tick_us >> 32, tick_us >> 16 & 0xFFFF, tick_us & 0xFFFF
         words[15:18] = chips.fresh, chips.faults, flags
+        told = self._coefficients
+        if told is not None:
+            words[FIRST_WORD : FIRST_WORD + WORDS] = told[self._sequence % len(told)]
         self._sequence = self._sequence + 1 & 0xFFFF
         self._seal(words, self._data)
         self._io.cpu.spend(self._tick_cost)

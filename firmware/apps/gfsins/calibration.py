@@ -94,6 +94,8 @@ class Calibration:
 
     def packet_words(self) -> NDArray[np.int64] | None:
         """What the packets carry of it; None: there is nothing."""
+        if self.found is Found.SPOILT:
+            return np.array([(0, 0, 0, coefficients.SPOILT)], np.int64)
         if self._store is None or not self._sections:
             return None
         force = self.values(ACCELEROMETERS)[FORCE_PLACE:] or IDENTITY

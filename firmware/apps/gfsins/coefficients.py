@@ -3,7 +3,8 @@
     word 43   which, from 1        44-45   float32        46   how many << 8 | generation of the store
 
 Round and round for ever, so that neither a lost packet nor a DSP that begins anew needs a protocol. Words of
-an FPGA without a calibration are 0, and nothing is waited for.
+an FPGA without a calibration are 0, and nothing is waited for; word 46 is SPOILT where there was one that is
+not whole.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ PLACES: Final = ((gl.OFFSET, 9), (gl.FORCE_MATRIX, 9), (gl.RATE_MATRIX, 9), (gl.
 """Where they belong in the sensor's array: what the FPGA's whole words leave of the offsets, then the
 matrices of force and rate, the deviation."""
 COUNT: Final = sum(count for _, count in PLACES)
+SPOILT: Final = 0xFFFF
 NUMBER: Final = Struct(">f")
 HALVES: Final = Struct(">HH")
 
@@ -40,6 +42,8 @@ class Coefficients:
     def __init__(self, g: NDArray[Any]) -> None:
         self.is_used = False
         """They are in the sensor's array."""
+        self.is_spoilt = False
+        """The FPGA has told so."""
         self._g = g
         self._found: dict[int, float] = {}
         self._last = 0
@@ -47,6 +51,7 @@ class Coefficients:
     def take(self, words: NDArray[np.int64]) -> bool:
         """A packet; False: there are some, and they are not all here yet."""
         which, high, low, last = words[FIRST_WORD : FIRST_WORD + WORDS].tolist()
+        self.is_spoilt |= last == SPOILT
         if self.is_used or not which or last >> 8 != COUNT:
             return True
         if last != self._last:

@@ -10,7 +10,7 @@ RUNNING = (State.WAITING, State.COLLECTING, State.SOLVING)
 HINTS = {
     State.IDLE: "OK: begin  BACK: no",
     State.WAITING: "OK: it stands so",
-    State.COLLECTING: "keep it still",
+    State.COLLECTING: "wait",
     State.SOLVING: "the DSP solves",
     State.DONE: "OK: go on",
     State.FAILED: "OK: again  BACK: no",
@@ -42,7 +42,9 @@ class ProcedurePage:
             return [self._title, "", "", self._note, "", "", "", HINTS[state]]
         place = f"position {min(procedures.position + 1, procedures.positions)} of {procedures.positions}"
         hint = "BACK again: give up" if self._asks else HINTS[state]
-        return [self._title, "", procedures.prompt, place, bar(procedures.progress), state.value, "", hint]
+        refusal = "".join(procedures.result_lines[:1])
+        told = [procedures.prompt, place, bar(procedures.progress), state.value, refusal]
+        return [self._title, "", *told, hint]
 
     def press(self, key: str, menu: Menu) -> None:
         """A key."""

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from firmware.apps.gfsins.acquisition import Acquisition
+from firmware.apps.gfsins.calibration import Calibration
 from firmware.apps.gfsins.corrections import Corrections
 from firmware.apps.gfsins.settings import Settings
 from firmware.apps.gfsins.settings_mode import SettingsMode
@@ -29,13 +30,14 @@ class FpgaProgram:
     """Implements `hal.board_io.Program`."""
 
     def __init__(self, io: BoardIo) -> None:
-        corrections = Corrections()
+        self._calibration = Calibration(io.flash.get("calibration"), Corrections())
         self._inputs = io.inputs["mode0"], io.inputs["mode1"]
-        self._acquisition = Acquisition(io, corrections)
-        self._settings_mode = SettingsMode(io, corrections)
+        self._acquisition = Acquisition(io, self._calibration)
+        self._settings_mode = SettingsMode(io, self._calibration)
 
     def main(self) -> None:
         """From the reset vector."""
+        self._calibration.load()
         low, high = (pin.read() for pin in self._inputs)
         if low | high << 1 == SETTINGS_CODE:
             self._settings_mode.run()

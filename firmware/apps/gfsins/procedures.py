@@ -29,7 +29,6 @@ from firmware.apps.gfsins.calibration import (
     Calibration,
 )
 from firmware.apps.gfsins.collecting import AXES, AtRest, Readings, Turn, counts
-from firmware.apps.gfsins.corrections import Corrections
 from firmware.apps.gfsins.result_words import result_lines
 from firmware.apps.gfsins.sampling import Sampling
 from firmware.apps.gfsins.settings_packet import POSITION_VALUES
@@ -68,7 +67,7 @@ class Procedures:
 
     NAMES = positions.NAMES
 
-    def __init__(self, io: BoardIo, sampling: Sampling, corrections: Corrections) -> None:
+    def __init__(self, io: BoardIo, sampling: Sampling, calibration: Calibration) -> None:
         self.state = State.IDLE
         self.name = ""
         self.position = 0
@@ -78,10 +77,9 @@ class Procedures:
         """Each at most LINE characters."""
         self.refused = 0
         """Positions refused so far."""
-        self.calibration = Calibration(io.flash.get("calibration"), corrections)
-        self.calibration.load()
+        self._calibration = calibration
         self._sampling = sampling
-        self._corrections = corrections
+        self._corrections = calibration.corrections
         self._clock = io.clock
         self._dialogue = SolverDialogue(io.packet_senders["packets"])
         self._raw = np.frombuffer(sampling.chips.raw, np.uint8)
@@ -260,7 +258,7 @@ class Procedures:
         if self.name == "alignment":
             row[:AXES] = self._corrected(row[:AXES])
             row[AXES] = self._readings.means[0]
-            row[AXES + 1 :] = [round(x * 1e6) for x in self.calibration.deviation]
+            row[AXES + 1 :] = [round(x * 1e6) for x in self._calibration.deviation]
         elif self._needs_compass:
             row[:5] = self._readings.means
         return row
@@ -294,7 +292,7 @@ class Procedures:
         lines = result_lines(self.name, values)
         found = _sections(self.name, values)
         if found:
-            if not self.calibration.keep(found):
+            if not self._calibration.keep(found):
                 self._fail("flash does not keep it")
                 return
             lines.append(STORED)

@@ -10,7 +10,7 @@ The DSP gets no packets of its own accord here, so it neither aligns nor navigat
 from __future__ import annotations
 
 from firmware.apps.gfsins import commands
-from firmware.apps.gfsins.corrections import Corrections
+from firmware.apps.gfsins.calibration import Calibration
 from firmware.apps.gfsins.menu import Menu
 from firmware.apps.gfsins.menu_tree import menu_of
 from firmware.apps.gfsins.procedures import Procedures
@@ -33,9 +33,10 @@ WATCHDOG_NS = 4_000_000_000
 class SettingsMode:
     """`run` returns when the operator leaves."""
 
-    def __init__(self, io: BoardIo, corrections: Corrections) -> None:
+    def __init__(self, io: BoardIo, calibration: Calibration) -> None:
         self._io = io
-        self._corrections = corrections
+        self._calibration = calibration
+        self._corrections = calibration.corrections
         self._starts = 0
 
     def run(self) -> None:
@@ -65,23 +66,21 @@ class SettingsMode:
         self._screen.show(["gfsins settings mode", "", "sensors start ..."])
         self._sampling = Sampling(io, self._corrections)
         self._slave = io.i2c_slaves["commands"]
-        self._procedures = Procedures(io)
+        self._procedures = Procedures(io, self._sampling, self._calibration)
         self._health = SettingsHealth(io.clock, self._sampling, self._keypad)
         self._menu: Menu = menu_of(self._corrections, self._sampling, self._procedures, self._health)
         self._menu_cost = io.cpu.cost("menu")
         self._health_cost = io.cpu.cost("health")
         self._slave.begin(io.interrupts.attach("command", self._on_command))
         self._sampling.begin()
-        self._procedures.begin()
 
     def _on_tick(self) -> None:
         self._keypad.scan()
         self._sampling.tick()
-        self._procedures.tick()
 
     def _on_command(self) -> None:
         self._health.heard()
-        self._slave.taken()
+        self._procedures.on_command(self._slave.taken())
 
     def _look(self, looks: int) -> None:
         """One turn of the background."""
