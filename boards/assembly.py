@@ -8,10 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib import import_module
+from pathlib import Path
 from typing import Any, Protocol
 
 from boards.chips.world import CompassWorld, GnssWorld, ImuWorld, TenDofWorld
-from boards.description import Board, Chip, Processor
+from boards.description import Board, Chip, Flash, Processor
 from boards.interconnects import Ends, build, ends_of
 from boards.machine import Machine
 from boards.sense import Sense
@@ -19,6 +20,7 @@ from boards.validation import DescriptionError
 from hal.board_io import BoardIo, Named, NotNamedError, Program
 from hal.emulated.can import EmulatedCanBus, EmulatedCanController
 from hal.emulated.cpu import EmulatedCpu
+from hal.emulated.flash import EmulatedFlash
 from hal.emulated.i2c import EmulatedI2cBus
 from hal.emulated.interrupt_line import LineSpec
 from hal.emulated.packet_link import EmulatedPacketSender
@@ -80,6 +82,7 @@ class AssembledBoard:
     """What each chip feels, and the defects of its sensor."""
     nets: dict[str, Net] = field(default_factory=dict)
     logs: dict[str, EmulatedLogFile] = field(default_factory=dict)
+    flash: dict[str, EmulatedFlash] = field(default_factory=dict)
     ports: dict[str, EmulatedUart] = field(default_factory=dict)
     interconnects: dict[str, Ends] = field(default_factory=dict)
     """Of each interconnect the ends, by processor."""
@@ -261,6 +264,8 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
 
     for name in mine(description.logs):
         board.logs[name] = EmulatedLogFile(cpu, surroundings.log_sink(name))
+    for name in mine(description.flash):
+        board.flash[name] = _flash(cpu, name, description.flash[name])
     own_buses = mine(description.buses)
     spi = {
         chip.name or refdes: board.spi_devices[chip.name or refdes]
@@ -281,8 +286,24 @@ def _board_io(board: AssembledBoard, processor: str, surroundings: Surroundings)
         captures={name: EmulatedCaptureTimer(cpu, net) for name, net in nets("capture").items()},
         timers={name: EmulatedPeriodicTimer(cpu) for name in mine(description.timers)},
         logs={name: board.logs[name] for name in mine(description.logs)},
+        flash={name: board.flash[name] for name in mine(description.flash)},
         **ends_of(processor, description.interconnects, board.interconnects),
     )
+
+
+def _flash(cpu: EmulatedCpu, name: str, facts: Flash) -> EmulatedFlash:
+    """The memory with what it held when it was last switched off."""
+    memory = EmulatedFlash(cpu, name, facts.blocks, facts.block_bytes)
+    if facts.file:
+        try:
+            memory.load(Path(facts.file).read_bytes())
+        except (OSError, ValueError) as error:
+            told = error.strerror if isinstance(error, OSError) else error
+            raise DescriptionError(
+                f'flash.{name}.file = "{facts.file}": {told}; for example the file that'
+                " `navtwin calibrate --store FILE` writes"
+            ) from None
+    return memory
 
 
 def installation_of(description: Board) -> dict[str, Any]:

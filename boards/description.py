@@ -126,6 +126,15 @@ class Port(Owned):
     baud: int = Field(ge=50, le=50_000_000, examples=[9600])
 
 
+class Flash(Owned):
+    """Non-volatile memory for settings."""
+
+    blocks: int = Field(default=2, ge=1, le=4096, examples=[2])
+    block_bytes: int = Field(default=2112, ge=64, le=1 << 20, examples=[2112])
+    file: str = ""
+    """What it holds at power-up: an image of all blocks, as `navtwin calibrate` writes it. Empty: erased."""
+
+
 class CanPort(Owned):
     """A CAN controller that leads to the outside."""
 
@@ -233,6 +242,7 @@ class Board(Facts):
     uarts: dict[str, Port] = {}
     can: dict[str, CanPort] = {}
     logs: dict[str, Owned] = {}
+    flash: dict[str, Flash] = {}
     pins: dict[str, Pin] = {}
     timers: dict[str, Owned] = {}
     interconnects: dict[str, Interconnect] = {}
@@ -245,6 +255,7 @@ class Board(Facts):
             "uarts": self.uarts,
             "can": self.can,
             "logs": self.logs,
+            "flash": self.flash,
             "pins": self.pins,
             "timers": self.timers,
         }

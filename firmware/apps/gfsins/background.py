@@ -6,6 +6,7 @@ import math
 
 from firmware.apps.gfsins.acquisition_news import AcquisitionNews
 from firmware.apps.gfsins.flight import Flight
+from firmware.apps.gfsins.solver import Solver
 from firmware.apps.gfsins.words import Words
 from firmware.apps.gnss_ins.announcements import Announcer
 from firmware.apps.gnss_ins.output import Output
@@ -28,6 +29,7 @@ class Background:
         announcer: Announcer,
         words: Words,
         flight: Flight,
+        solver: Solver,
     ) -> None:
         self._io = io
         self._news = news
@@ -35,6 +37,8 @@ class Background:
         self._announcer = announcer
         self._words = words
         self._flight = flight
+        self._solver = solver
+        self._told_calibration = False
         self._cost = io.cpu.cost("health_check")
         self._line = io.interrupts.attach("background_tick", self._on_tick)
         self._ticks = 0
@@ -60,6 +64,8 @@ class Background:
             self._words.look()
             self._announcer.look()
             self._look_at_alignment()
+            self._look_at_calibration()
+            self._solver.look()
             if done % AGES_EVERY == 0:
                 self._tell_ages()
 
@@ -82,6 +88,13 @@ class Background:
             self._misplaced = misplaced
             if misplaced:
                 self._output.send_text(f"accelerometers swapped or turned: {', '.join(misplaced)}")
+
+    def _look_at_calibration(self) -> None:
+        found = self._flight.coefficients
+        if not self._told_calibration and (found.is_used or found.is_spoilt):
+            self._told_calibration = True
+            told = "loaded" if found.is_used else "in flash is spoilt: nominal values"
+            self._output.send_text(f"calibration {told}")
 
     def _tell_ages(self) -> None:
         flight = self._flight

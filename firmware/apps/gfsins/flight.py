@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from firmware.apps.gfsins.acquisition_news import AcquisitionNews
 from firmware.apps.gfsins.alignment import Alignment
+from firmware.apps.gfsins.coefficients import Coefficients
 from firmware.apps.gfsins.equivalent_feed import EquivalentFeed
 from firmware.apps.gfsins.navigation import Navigation
 from firmware.apps.gfsins.reception import Reception
@@ -41,6 +42,7 @@ class Flight:
         """How often the master had lost its state."""
         self.solutions = 0
         """… and how many there were."""
+        self.coefficients = Coefficients(navigation.federation.g)
         self._navigation = navigation
         self._reception = reception
         self._news = news
@@ -96,6 +98,8 @@ class Flight:
 
     def _align(self) -> None:
         reception, navigation = self._reception, self._navigation
+        if not self.coefficients.take(reception.words):
+            return
         begun = self.alignment.take(reception.words, reception.tick_ns)
         self._spend(self._align_cost)
         if begun is not None:

@@ -15,6 +15,7 @@ from firmware.apps.gfsins.navigation import Navigation, filter_config
 from firmware.apps.gfsins.reception import Reception
 from firmware.apps.gfsins.sensor_flags import SensorFlags
 from firmware.apps.gfsins.settings import Settings
+from firmware.apps.gfsins.solver import Solver
 from firmware.apps.gfsins.words import Words
 from firmware.apps.gnss_ins.announcements import Announcer
 from firmware.apps.gnss_ins.navigation import StateKernels
@@ -52,7 +53,9 @@ class Navigator:
         navigation.flags_of = sensor_flags.of
         flight = Flight(io, settings, navigation, reception, news, output, sensor_flags)
         words = Words(navigation, reception, news, output)
-        background = Background(io, news, output, Announcer(io.clock, news, output), words, flight)
+        solver = Solver(io, self._config.sensor, output.send_text)
+        reception.other = solver.on_packet
+        background = Background(io, news, output, Announcer(io.clock, news, output), words, flight, solver)
         flight.begin()
         background.run()
 
