@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.drivers import gnss_epoch as gnss
+from firmware.nav import layout as at
 from firmware.nav.gyro_free import layout as gl
 from firmware.nav.gyro_free import least_squares, steps
 from firmware.nav.gyro_free import packet as pk
@@ -14,6 +15,7 @@ from firmware.nav.gyro_free.compass_calibration import take_field
 from firmware.nav.gyro_free.config import GyroFreeConfig, new_sensor
 from firmware.nav.gyro_free.filters import Federation, FilterConfig, begin, new_federation
 from firmware.nav.gyro_free.packet import put_number, seal_packet
+from firmware.nav.gyro_free.states import X_COMPASS_ERROR
 from firmware.nav.gyro_free.table_calibration import RESULT_SIZE, take_position
 from firmware.nav.imu import imu_step
 from host.tables.chapter5 import PERIOD, PERIOD_NS, Feed, chapter5
@@ -54,6 +56,10 @@ def ridden(rng: Rng) -> tuple[list[NDArray[Any]], int]:
     if rng.integers(0, 4) == 0:
         arrays[1][gl.STATUS + rng.integers(0, 2)] = gl.ISOLATED
         arrays[1][gl.GOOD : gl.GOOD + 2] = rng.integers(0, 40, 2)
+    arrays[1][gl.RATE_IS_OWN] = rng.integers(0, 2)
+    if rng.integers(0, 3) == 0:
+        arrays[2][at.D + X_COMPASS_ERROR + 2] += 0.01
+        arrays[4][at.D + at.X_ATTITUDE + 2] += 0.1
     return arrays, samples
 
 

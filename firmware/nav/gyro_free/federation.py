@@ -27,6 +27,7 @@ from firmware.nav.flags import NAVIGATING
 from firmware.nav.gyro_free import layout as gl
 from firmware.nav.gyro_free.information import (
     absorb_estimate,
+    bound_compass_error,
     copy_covariance,
     drop_private,
     factor_estimate,
@@ -217,6 +218,8 @@ def _reset(g, n, f, i, fm, im, which, share, stay):
     if trusted:
         keep_share(g, f, share)
         share_noise(g, f, which, ONE / share)
+        if private:
+            bound_compass_error(g, f, i)
 
 
 @kernel

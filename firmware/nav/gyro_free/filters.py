@@ -61,6 +61,8 @@ class FilterConfig:
     reopen_after: tuple[int, int] = (1200, 120)
     """Refused in a row, of compass and GPS: the global state is no longer held against them."""
     compass_repeats: int = 20
+    fusion_period: float = 1.0
+    """s."""
     rate_limit: float = 2000.0 * DEG
     force_limit: float = 16.0 * G
     sensor: GyroFreeConfig = field(default_factory=GyroFreeConfig)
@@ -129,7 +131,7 @@ def begin(federation: Federation, config: FilterConfig, start: Beginning, kernel
     _begin(entry, *federation.central, config, start, 1.0)
     federation.n[gl.LAST : gl.LAST + 2] = start.t_ns
     federation.n[gl.TICK] = start.t_ns
-    federation.n[gl.FUSION_DUE] = start.t_ns + 1_000_000_000 - (federation.n[gl.TICK_NS] >> 1)
+    federation.n[gl.FUSION_DUE] = start.t_ns + federation.n[gl.FUSION_NS] - (federation.n[gl.TICK_NS] >> 1)
 
 
 def _begin(entry: Any, f: Any, i: Any, config: FilterConfig, start: Beginning, widen: float) -> None:
@@ -198,7 +200,7 @@ def _configure_sharing(g: NDArray[Any], n: NDArray[np.int64], c: FilterConfig) -
         gl.COMPASS_VARIANCE: (tilt, tilt, heading**2),
         gl.GPS_VARIANCE: (c.position_noise[0] ** 2, c.position_noise[1] ** 2, c.velocity_noise**2),
         gl.GATE_2: c.gates,
-        gl.NO_INFORMATION: (1e8, 1e4, 0.25, (1.0 * DEG) ** 2, 1.0, 0.01),
+        gl.NO_INFORMATION: (1e8, 1e4, 0.25, (10.0 * c.sigma_rate_bias) ** 2, 1.0, 0.01),
         gl.COMPASS_ERROR_VARIANCE: np.square(c.sigma_compass),
         gl.NOISE_SHARE: (1.0, 1.0, 1.0),
     }
@@ -211,6 +213,7 @@ def _configure_sharing(g: NDArray[Any], n: NDArray[np.int64], c: FilterConfig) -
     n[gl.LIMIT_REFUSED : gl.LIMIT_REFUSED + 2] = c.reopen_after
     n[gl.LIMIT_REPEATS] = c.compass_repeats
     n[gl.TICK_NS] = round(1e9 * c.sample_period)
+    n[gl.FUSION_NS] = round(1e9 * c.fusion_period)
 
 
 def _check(config: FilterConfig) -> None:

@@ -9,6 +9,14 @@ is done here, a second at a time (rows 6 and 7 of U take from row 8, U stays tri
 also turns tilt and accelerometer bias, δψ × b, which the model takes for a turn that would tell one from the
 other; both become as uncertain as that product may be.
 
+Heading itself shows in a horizontal force only. Without one, as on a straight road, what the linear model
+takes for information on a heading that may be wrong by tens of degrees is its own error; then heading and the
+bias of its rate are considered, not estimated: their uncertainty counts in every gain, and neither is
+corrected (the filter of Schmidt). With the optimal gain K of all states, S the variance of the innovation, c
+the two:
+
+    P_Schmidt = P_optimal + K_c S K_cᵀ
+
 The rows are those of the navigation core less the receiver's correlated error and its latency, which these
 filters do not have. Position (3) and velocity (3, or 2 from speed and course) pass a χ² gate each.
 """
@@ -18,7 +26,14 @@ import numpy as np
 from firmware.drivers import gnss_epoch as gnss
 from firmware.nav import layout as at
 from firmware.nav import tuning as cfg
-from firmware.nav.covariance import add_variance, element
+from firmware.nav.covariance import (
+    absorb_projected,
+    add_along_gain,
+    add_variance,
+    element,
+    project,
+    projected_product,
+)
 from firmware.nav.earth import refresh_earth
 from firmware.nav.feedback import clear_correction, feed_back
 from firmware.nav.gnss_measurement import position_rows, velocity_rows
@@ -37,6 +52,12 @@ LONGEST = np.float32(100.0)
 """s; a longer pause is not worth a linear model."""
 THREE = np.int32(3)
 VELOCITY_ROW = 3
+YAW = np.int32(at.X_ATTITUDE + 2)
+YAW_BIAS = np.int32(at.X_GYRO_BIAS + 2)
+WIDE = np.float32(0.1 * 0.1)
+"""rad², of heading."""
+LEAST_FORCE_SQUARE = np.float32(0.3 * 0.3)
+"""(m/s²)², horizontal."""
 
 
 @kernel
@@ -67,10 +88,11 @@ def gps_update(f, i, g, e, since):
         for k in range(THREE):
             f[at.VARIANCE + VELOCITY_ROW + k] = g[gl.GPS_VARIANCE + 2]
         velocity_passes = _passes(f, g, VELOCITY_ROW, velocities)
+    considered = _is_heading_out_of_reach(f)
     if passes:
-        absorb_group(f, 0, count)
+        _absorb(f, 0, count, considered)
     if moving and velocity_passes:
-        absorb_group(f, VELOCITY_ROW, velocities)
+        _absorb(f, VELOCITY_ROW, velocities, considered)
     feed_back(f, i)
     return passes and velocity_passes
 
@@ -94,6 +116,33 @@ def _couple_heading(f, t):
         u = ONE if j == yaw else f[column + yaw]
         f[column + yaw - 2] -= east * u
         f[column + yaw - 1] += north * u
+
+
+@kernel
+def _is_heading_out_of_reach(f):
+    """Heading too uncertain for the linear model, and no force to show it."""
+    if element(f, YAW, YAW) < WIDE:
+        return False
+    north = f[at.AGO_ACCELERATION]
+    east = f[at.AGO_ACCELERATION + 1]
+    return north * north + east * east < LEAST_FORCE_SQUARE
+
+
+@kernel
+def _absorb(f, first, count, considered):
+    if not considered:
+        absorb_group(f, first, count)
+        return
+    for row in range(np.int32(first), np.int32(first + count)):
+        project(f, row)
+        s = projected_product(f, row, row) + f[at.VARIANCE + row]
+        absorb_projected(f, row)
+        f[at.CORRECTION + YAW] = ZERO
+        f[at.CORRECTION + YAW_BIAS] = ZERO
+        for j in range(YAW_BIAS):
+            if j != YAW:
+                f[at.GAIN + j] = ZERO
+        add_along_gain(f, YAW_BIAS, ONE / s)
 
 
 @kernel

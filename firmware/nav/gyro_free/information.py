@@ -15,15 +15,17 @@ near zero. Without private states this scales D by 1/β.
 import numpy as np
 
 from firmware.nav import layout as at
-from firmware.nav.covariance import absorb_projected, project
-from firmware.nav.feedback import clear_correction
+from firmware.nav.covariance import absorb_projected, element, project
+from firmware.nav.feedback import clear_correction, feed_back
 from firmware.nav.gyro_free import layout as gl
-from firmware.nav.gyro_free.states import ALL, COMMON
+from firmware.nav.gyro_free.states import ALL, COMMON, COMPASS_ERROR, X_COMPASS_ERROR
 from firmware.nav.measurement import clear_rows
 from firmware.numerics.dialect import kernel
 
 ZERO = np.float32(0.0)
 ONE = np.float32(1.0)
+FOUR = np.float32(4.0)
+THREE = np.int32(3)
 LEAST = np.float32(1.0e-25)
 """A variance below is none."""
 N = gl.FACTOR_STATES
@@ -163,3 +165,26 @@ def drop_private(g, f):
         f[at.D + j] = ZERO
         for k in range(np.int32(j)):
             f[at.U + j * at.STATES + k] = ZERO
+
+
+@kernel
+def bound_compass_error(g, f, i):
+    """The error of the compass stays within twice what it is when nothing is known of it: what it is at any
+    time. A share of the information leaves it wider where the other share of heading is soon forgotten."""
+    clear_rows(f)
+    clear_correction(f)
+    bounded = False
+    for k in range(THREE):
+        state = np.int32(X_COMPASS_ERROR + k)
+        limit = FOUR * g[gl.COMPASS_ERROR_VARIANCE + (1 if k == 2 else 0)]
+        variance = element(f, state, state)
+        if variance > limit:
+            bounded = True
+            f[at.ROWS + state] = ONE
+            f[at.RESIDUAL] = -f[COMPASS_ERROR + k]
+            f[at.VARIANCE] = limit * variance / (variance - limit)
+            project(f, 0)
+            absorb_projected(f, 0)
+            f[at.ROWS + state] = ZERO
+    if bounded:
+        feed_back(f, i)

@@ -141,7 +141,11 @@ TICK_OFFSET = 46
 """ns that packets' times are behind; not 0 once the acquisition began anew."""
 RESTARTS = 47
 """How often it did."""
-N_SIZE = 48
+RATE_IS_OWN = 48
+"""1: the rate comes from the nine accelerometers, and its bias goes back into it at a fusion."""
+FUSION_NS = 49
+"""From one fusion to the next."""
+N_SIZE = 50
 
 
 INTEGRATION = 0

@@ -19,7 +19,6 @@ from firmware.numerics.dialect import kernel
 
 NAN = np.float32(np.nan)
 ZERO = np.float32(0.0)
-SECOND = np.int64(1_000_000_000)
 AGE_NS = np.int64(100_000)
 NINE = np.int32(9)
 USED = 1
@@ -49,6 +48,7 @@ def packet_step(g, n, words, felt, f1, i1, f2, i2, fm, im):
     ax = g[gl.FORCE]
     ay = g[gl.FORCE + 1]
     az = g[gl.FORCE + 2]
+    n[gl.RATE_IS_OWN] = 1 if felt[0] == ZERO else 0
     if felt[0] != ZERO:
         done |= USED
         wx, wy, wz, ax, ay, az = felt[1], felt[2], felt[3], felt[4], felt[5], felt[6]
@@ -63,7 +63,7 @@ def packet_step(g, n, words, felt, f1, i1, f2, i2, fm, im):
     if words[pk.FLAGS] & pk.HAS_GPS:
         done |= GPS_DUE
     if t >= n[gl.FUSION_DUE]:
-        n[gl.FUSION_DUE] = t + SECOND - (n[gl.TICK_NS] >> 1)
+        n[gl.FUSION_DUE] = t + n[gl.FUSION_NS] - (n[gl.TICK_NS] >> 1)
         done |= FUSION_DUE
     return done
 

@@ -25,6 +25,7 @@ from firmware.nav.gyro_free.federation import (
     reset_filters,
 )
 from firmware.nav.gyro_free.gps import gps_update
+from firmware.nav.gyro_free.rate_feedback import feed_rate_back
 from firmware.nav.gyro_free.trust import (
     compass_repeats,
     doubt_inertial,
@@ -80,6 +81,8 @@ def fusion_step(g, n, f1, i1, f2, i2, fm, im):
     doubt_inertial(n, fm)
     recovered = recover_filters(n)
     reset_filters(g, n, f1, i1, f2, i2, fm, im, recovered)
+    if n[gl.RATE_IS_OWN] != 0 and is_usable(fm, im):
+        feed_rate_back(g, f1, f2, fm)
     return fused
 
 
