@@ -235,7 +235,7 @@ def _check(config: FilterConfig) -> None:
 
 def adxl345_filters(sensor: GyroFreeConfig, reset: str = "fusion_feedback", **more: Any) -> FilterConfig:
     """Noise of the filters when rate and force come from accelerometers as noisy as `sensor` says: the rate
-    walks, by (σ_a / l) √Δt per √s. `more`: any other field of FilterConfig."""
+    walks, by (σ_a / l) √Δt per √s, so much that the master must not run on for a second by itself. `more`: any other field of FilterConfig."""
     period = more.get("sample_period", 0.005)
     walk = sensor.slow_errors * sensor.acceleration_noise / sensor.arm_length * math.sqrt(period)
     fitting = {
@@ -249,5 +249,6 @@ def adxl345_filters(sensor: GyroFreeConfig, reset: str = "fusion_feedback", **mo
         "sigma_yaw": 3.0 * DEG,
         "sigma_velocity": 0.5,
         "sigma_position": 10.0,
+        "fusion_period": 0.1,
     }
     return FilterConfig(reset=reset, sensor=sensor, **(fitting | more))
