@@ -235,7 +235,8 @@ def _check(config: FilterConfig) -> None:
 
 def adxl345_filters(sensor: GyroFreeConfig, reset: str = "fusion_feedback", **more: Any) -> FilterConfig:
     """Noise of the filters when rate and force come from accelerometers as noisy as `sensor` says: the rate
-    walks, by (σ_a / l) √Δt per √s, so much that the master must not run on for a second by itself. `more`: any other field of FilterConfig."""
+    walks, by (σ_a / l) √Δt per √s, so much that the master must not run on by itself for a second. `more`:
+    any other field of FilterConfig."""
     period = more.get("sample_period", 0.005)
     walk = sensor.slow_errors * sensor.acceleration_noise / sensor.arm_length * math.sqrt(period)
     fitting = {
