@@ -15,15 +15,27 @@ NOMINAL_SCALE = 512_000
 LARGEST = np.int64(32767)
 LOW = np.int64(0xFFFF)
 SIGN = np.int64(0x8000)
+FARTHEST = np.int64(1000)
+"""0.5 g: at the end of an arm of 0.25 m it would be 20 rad/s²."""
+ARMS = np.int32(6)
+ONE = np.int64(1)
 
 
-@kernel("void(uint8[::1], int64[::1], int64[::1], int64[::1])")
+@kernel("int64(uint8[::1], int64[::1], int64[::1], int64[::1])")
 def fill_accelerations(raw, scales, offsets, words):
     """`raw`: a sample of each chip as its driver has it, one after the other. A1 … A6 are x, y, z, x, y, z of
-    chips 1 … 6, A7 … A9 the three of chip 7. `offsets` in words."""
+    chips 1 … 6, A7 … A9 the three of chip 7. `offsets` in words. Returns bits of the chips on arms that
+    differ more from that at the origin than any vehicle could turn them."""
     for k in range(NINE):
         chip = k if k < CHIPS - 1 else CHIPS - 1
         place = chip * SAMPLE_LENGTH + 1 + 2 * (k % 3)
         count = ((np.int64(raw[place + 1]) << 8) | np.int64(raw[place])) ^ SIGN
         value = (((count - SIGN) * scales[k] + HALF) >> SHIFT) - offsets[k]
         words[pk.ACCELERATIONS + k] = max(-LARGEST, min(LARGEST, value)) & LOW
+    far = np.int64(0)
+    for k in range(ARMS):
+        arm = words[pk.ACCELERATIONS + k]
+        origin = words[pk.ACCELERATIONS + 6 + k % 3]
+        if abs((arm ^ SIGN) - (origin ^ SIGN)) > FARTHEST:
+            far |= ONE << k
+    return far

@@ -16,7 +16,7 @@ RATE_HZ = 200
 RANGE_G = 16
 GRACE_TICKS = 4
 """Ticks without a sample, or samples all alike, from which a chip counts as missing or stuck."""
-STUCK_SAMPLES = 200
+STUCK_SAMPLES = 20
 STATUS_REQUEST = bytes((READ | Register.FIFO_STATUS, 0))
 ALL = (1 << CHIPS) - 1
 
@@ -32,6 +32,8 @@ class Accelerometers:
         """Bit k: chip k + 1 gives no samples, or has not been brought up since it gave none."""
         self.stuck = 0
         """Bit k: chip k + 1 gives the same again and again."""
+        self.at_odds = 0
+        """Bit k: chip k + 1 does not agree with the others."""
         self.fresh = 0
         """Bit k: chip k + 1 gave a sample at this tick."""
         self.raw = bytearray(CHIPS * SAMPLE_LENGTH)
@@ -52,7 +54,7 @@ class Accelerometers:
     @property
     def faults(self) -> int:
         """Bit k: chip k + 1 is not to be believed."""
-        return self.missing | self.stuck
+        return self.missing | self.stuck | self.at_odds
 
     def start(self, chip: int) -> Outcome:
         """Bring one up, from set-up or background; ticks leave it alone meanwhile."""

@@ -12,7 +12,8 @@ import numpy as np
 
 from firmware.apps.gfsins import commands
 from firmware.apps.gfsins.accelerations import CHIPS, fill_accelerations
-from firmware.apps.gfsins.accelerometers import Accelerometers
+from firmware.apps.gfsins.accelerometers import ALL, Accelerometers
+from firmware.apps.gfsins.agreement import Agreement
 from firmware.apps.gfsins.calibration import Calibration
 from firmware.apps.gfsins.coefficients import FIRST_WORD, WORDS
 from firmware.apps.gfsins.compass_line import CompassLine
@@ -52,6 +53,7 @@ class Acquisition:
         self._data = np.zeros(pk.BYTES, np.uint8)
         self._chips = Accelerometers(io)
         self._raw = np.frombuffer(self._chips.raw, np.uint8)
+        self._agreement = Agreement(self._raw)
         self._compass = CompassLine(io)
         self._receiver = ReceiverLine(io)
         self._sender = io.packet_senders["packets"]
@@ -82,6 +84,8 @@ class Acquisition:
             io.watchdog.kick()
             self._compass.look()
             self._receiver.service()
+            chips = self._chips
+            chips.at_odds = self._agreement.look(ALL & ~(chips.missing | chips.stuck))
             if done % LOOKS_PER_S == 0:
                 self._mend()
             io.cpu.spend(self._look_cost)
@@ -100,6 +104,7 @@ class Acquisition:
             self._starts,
             chips.missing,
             chips.stuck,
+            chips.at_odds,
             COMPASS_OUTCOMES.index(self._compass.outcome),
             receiver.phase,
             receiver.port_errors & commands.BYTE,
@@ -119,7 +124,7 @@ class Acquisition:
         self._ticks += 1
         chips, words = self._chips, self._words
         chips.drain()
-        self._fill(self._raw, self._scales, self._offsets, words)
+        far = self._fill(self._raw, self._scales, self._offsets, words)
         flags = 0
         reading = self._compass.take()
         if reading is not None:
@@ -129,7 +134,7 @@ class Acquisition:
             flags |= put_epoch(words, self._receiver.waiting.tolist(), tick_ns)
         tick_us = tick_ns // 1000
         words[2:6] = self._sequence, tick_us >> 32, tick_us >> 16 & 0xFFFF, tick_us & 0xFFFF
-        words[15:18] = chips.fresh, chips.faults, flags
+        words[15:18] = chips.fresh, chips.faults | far, flags
         told = self._coefficients
         if told is not None:
             words[FIRST_WORD : FIRST_WORD + WORDS] = told[self._sequence % len(told)]

@@ -12,6 +12,7 @@ from firmware.drivers.sentence_setup import SetupPhase
 from hal.board_io import BoardIo
 from hal.errors import BusError
 
+PATIENCE = 3
 PHASES = tuple(SetupPhase)
 COMPASS_OUTCOMES = tuple(CompassOutcome)
 
@@ -23,9 +24,10 @@ class AcquisitionNews:
         self.epochs = 0
         self.missing = 0
         self.stuck = 0
+        self.at_odds = 0
         self.compass = 0
-        self.answers = True
-        """Whether the FPGA answered when it was asked last."""
+        self.unanswered = 0
+        """Times in a row that the FPGA did not answer."""
         self.starts = 0
         self.port_errors = 0
         self.pulse_dated = False
@@ -40,12 +42,13 @@ class AcquisitionNews:
         try:
             data = self._bus.transaction(commands.ADDRESS, b"", commands.STATUS.size)
         except BusError:
-            self.answers = False
+            self.unanswered += 1
             return
-        mark, starts, missing, stuck, compass, phase, port_errors, unsent = commands.STATUS.unpack(data)
-        self.answers = mark == commands.MARK
-        if self.answers:
-            self.starts, self.missing, self.stuck, self.compass = starts, missing, stuck, compass
+        mark, starts, *chips, compass, phase, port_errors, unsent = commands.STATUS.unpack(data)
+        self.unanswered = 0 if mark == commands.MARK else self.unanswered + 1
+        if not self.unanswered:
+            self.missing, self.stuck, self.at_odds = chips
+            self.starts, self.compass = starts, compass
             self._phase, self.port_errors, self.unsent = phase, port_errors, unsent
 
     def tell_alignment(self, yaw: float, pitch: float, roll: float) -> None:
@@ -54,7 +57,12 @@ class AcquisitionNews:
         try:
             self._bus.transaction(commands.ADDRESS, commands.RESULT.pack(commands.ALIGNED, *tenths))
         except BusError:
-            self.answers = False
+            self.unanswered += 1
+
+    @property
+    def answers(self) -> bool:
+        """Whether the FPGA can be asked; it has some seconds to begin."""
+        return self.unanswered < PATIENCE
 
     @property
     def compass_words(self) -> str:

@@ -43,7 +43,7 @@ class Background:
         self._line = io.interrupts.attach("background_tick", self._on_tick)
         self._ticks = 0
         self._misplaced: tuple[str, ...] = ()
-        self._restarts = 0
+        self._restarts = self._realignments = 0
 
     def run(self) -> None:
         """Returns only when the processor is reset or switched off."""
@@ -83,6 +83,9 @@ class Background:
         if flight.restarts != self._restarts:
             self._restarts = flight.restarts
             self._output.send_text("state not a number: begun again with a sound filter")
+        if flight.realignments != self._realignments:
+            self._realignments = flight.realignments
+            self._output.send_text("attitude lost, the compass contradicts: aligning again")
         misplaced = flight.alignment.misplaced
         if misplaced != self._misplaced:
             self._misplaced = misplaced

@@ -2,8 +2,8 @@
 
 write   ALIGNED, then yaw, pitch, roll (signed tenths of a degree, high byte first)
         PRESENT alone, once a second in settings mode: the DSP is there
-read    STATUS: mark, starts of the FPGA, chips missing (bits), chips stuck (bits), compass, receiver,
-        errors of the receiver's port, packets not sent since the one before was under way (16 bits)
+read    STATUS: mark, starts of the FPGA, chips missing, stuck, at odds with the others (bits each), compass,
+        receiver, errors of its port, packets not sent since the one before was under way (16 bits)
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from typing import Final
 ADDRESS: Final = 0x2A
 ALIGNED: Final = 0x10
 RESULT: Final = Struct(">B3h")
-STATUS: Final = Struct(">7BH")
+STATUS: Final = Struct(">8BH")
 MARK: Final = 0x47
 SETTINGS_MARK: Final = 0x53
 """The mark in settings mode."""

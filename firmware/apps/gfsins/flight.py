@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from firmware.apps.gfsins.acquisition_news import AcquisitionNews
 from firmware.apps.gfsins.alignment import Alignment
 from firmware.apps.gfsins.coefficients import Coefficients
@@ -38,6 +40,8 @@ class Flight:
         """Worst age of a tick when its solution was there."""
         self.ages_ns = 0
         """Sum of these ages …"""
+        self.realignments = 0
+        """How often attitude was lost."""
         self.restarts = 0
         """How often the master had lost its state."""
         self.solutions = 0
@@ -56,7 +60,9 @@ class Flight:
         equivalent = settings.feed == "equivalent"
         self._feed = EquivalentFeed(io.spi["equivalent"] if equivalent else None)
         needed_ns = round(settings.alignment_s * SECOND_NS)
-        self.alignment = Alignment(navigation.federation, needed_ns, not equivalent)
+        self._new_alignment = partial(Alignment, navigation.federation, needed_ns, not equivalent)
+        self.alignment = self._new_alignment()
+        self._uses_registers = not equivalent
         self._output_line = io.interrupts.attach("output", output.send)
         self._epoch_line = io.interrupts.attach("epoch_output", output.send_epoch)
         self._ticks_per_output = settings.ticks_per_output
@@ -83,6 +89,9 @@ class Flight:
         step, compass, gps, fusion = self._costs
         if flags & pk.HAS_COMPASS:
             step += compass
+            if self._uses_registers and not words[pk.FAULTS] and navigation.looks_lost():
+                self._align_again()
+                return
         if flags & pk.HAS_GPS:
             step += gps
             self._news.epochs += 1
@@ -95,6 +104,12 @@ class Flight:
         if self._ticks >= self._ticks_per_output:
             self._ticks = 0
             self._output_line.pend()
+
+    def _align_again(self) -> None:
+        self.realignments += 1
+        self._navigation.forget()
+        self.alignment = self._new_alignment()
+        self.is_aligned = False
 
     def _align(self) -> None:
         reception, navigation = self._reception, self._navigation

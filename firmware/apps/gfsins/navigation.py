@@ -27,6 +27,9 @@ from firmware.nav.gyro_free.filters import (
 )
 from firmware.nav.gyro_free.packet_door import PacketDoor
 
+WINDOW, MOST_OF_WINDOW, BAD_WINDOWS = 50, 35, 2
+"""Readings; readings refused; windows."""
+LOST_NS = 2_000_000_000
 POSITION_NOISE, HEIGHT_NOISE, VELOCITY_NOISE = 10.0, 10.0, 0.1
 
 
@@ -42,6 +45,7 @@ class Navigation(NavigationState):
         self.door = PacketDoor(self.federation)
         self.flags_of: Callable[[int], int] | None = None
         """Flags of a solution from those of the master, which has no measurements of its own."""
+        self._readings = self._refused = self._bad_windows = 0
         self.samples_missed = 0
         self.samples_repeated = 0
 
@@ -49,11 +53,33 @@ class Navigation(NavigationState):
         """The master's, with flags that know the sensors."""
         super().fill_solution()
         if self.flags_of is not None:
-            self.integers[record.FLAGS] = self.flags_of(int(self.integers[record.FLAGS]))
+            known = int(self.integers[record.FLAGS]) if self.is_navigating else 0
+            self.integers[record.FLAGS] = self.flags_of(known)
 
     def start(self, start: Beginning) -> None:
         """Navigate from there."""
         begin(self.federation, self.config, start)
+
+    def forget(self) -> None:
+        """Begin anew, as after power-on."""
+        self._readings = self._refused = self._bad_windows = 0
+        held, fresh = self.federation, new_federation(self.config)
+        for old, new in zip((held.g, held.n, *held.all), (fresh.g, fresh.n, *fresh.all), strict=True):
+            old[:] = new
+
+    def looks_lost(self) -> bool:
+        """Asked at each reading of the compass: whether attitude has gone for good, as it does when the rate
+        was wrong for a while. Most readings of a compass that works have been refused in BAD_WINDOWS windows in
+        a row, or no sample was a rate that a vehicle can have for LOST_NS."""
+        n = self.federation.n
+        self._readings += 1
+        if self._readings >= WINDOW:
+            refused, repeats = int(n[gl.REFUSED_MEASUREMENTS]), n[gl.REPEATS] >= n[gl.LIMIT_REPEATS]
+            bad = refused - self._refused >= MOST_OF_WINDOW and not repeats
+            self._bad_windows = self._bad_windows + 1 if bad else 0
+            self._refused, self._readings = refused, 0
+        unused_ns = int(self.i[layout.TIME] - self.i[layout.GOOD_SAMPLE_TIME])
+        return self._bad_windows >= BAD_WINDOWS or unused_ns > LOST_NS
 
     @property
     def has_state(self) -> bool:
@@ -74,9 +100,7 @@ class Navigation(NavigationState):
         """Fresh arrays but for what calibration and alignment have found, begun with the solution record."""
         held, values = self.federation, self.floats.tolist()
         sensor, counts = held.g[: gl.COMPASS_VARIANCE].copy(), held.n[: gl.MODE].copy()
-        fresh = new_federation(self.config)
-        for old, new in zip((held.g, held.n, *held.all), (fresh.g, fresh.n, *fresh.all), strict=True):
-            old[:] = new
+        self.forget()
         held.g[: gl.COMPASS_VARIANCE], held.n[: gl.MODE] = sensor, counts
         north, east, down = values[record.VELOCITY : record.VELOCITY + 3]
         place = int(self.integers[record.LAT_NANODEG]), int(self.integers[record.LON_NANODEG])

@@ -56,6 +56,7 @@ class Navigator:
         solver = Solver(io, self._config.sensor, output.send_text)
         reception.other = solver.on_packet
         background = Background(io, news, output, Announcer(io.clock, news, output), words, flight, solver)
+        output.send_text("navigation begins: waiting for packets")
         flight.begin()
         background.run()
 

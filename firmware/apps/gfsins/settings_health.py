@@ -64,6 +64,7 @@ class SettingsHealth:
             starts,
             chips.missing,
             chips.stuck,
+            0,
             COMPASS_OUTCOMES.index(self.sampling.compass.outcome),
             receiver.phase,
             receiver.port_errors & commands.BYTE,

@@ -11,6 +11,7 @@ from firmware.nav.gyro_free import layout as gl
 SILENT_LOOKS = 3
 """Looks (10 a second) without a packet after which the acquisition is called silent."""
 AGAIN_LOOKS = 100
+SYNC_LOOKS = 5
 FILTERS = ("compass", "GPS")
 CHIPS = 7
 
@@ -33,7 +34,9 @@ class Words:
         self._looks = 0
         self._said_look = -AGAIN_LOOKS
         self._status = [0, 0]
-        self._missing = self._stuck = self._compass = 0
+        self._missing = self._stuck = self._at_odds = self._compass = 0
+        self._synced = True
+        self._sync_looks = 0
         self._answers = True
 
     @property
@@ -45,6 +48,7 @@ class Words:
         """Say what is new."""
         self._looks += 1
         self._look_at_packets()
+        self._look_at_sync()
         self._look_at_filters()
         self._look_at_status()
 
@@ -67,6 +71,16 @@ class Words:
             _, slipped, kind, wrong = reception.bad
             say(f"packets: {lost} lost, {slipped} slipped, {kind} of a wrong kind, {wrong} with a wrong sum")
 
+    def _look_at_sync(self) -> None:
+        """Told when it has been so for SYNC_LOOKS while packets came."""
+        differs = self._reception.synced != self._synced and not self._quiet
+        self._sync_looks = self._sync_looks + 1 if differs else 0
+        if self._sync_looks >= SYNC_LOOKS:
+            self._sync_looks = 0
+            self._synced = not self._synced
+            told = "sync line is back" if self._synced else "sync line lost: ticks are dated by their packets"
+            self._output.send_text(told)
+
     def _look_at_filters(self) -> None:
         n = self._navigation.federation.n
         for k, name in enumerate(FILTERS):
@@ -84,6 +98,7 @@ class Words:
             say("acquisition answers commands again" if news.answers else "acquisition answers no command")
         self._missing = self._tell_chips(news.missing, self._missing, "missing")
         self._stuck = self._tell_chips(news.stuck, self._stuck, "stuck")
+        self._at_odds = self._tell_chips(news.at_odds, self._at_odds, "at odds with the others")
         if news.compass != self._compass:
             self._compass = news.compass
             say(f"compass: {news.compass_words}")
