@@ -89,6 +89,13 @@ def _spi_devices(board: Board) -> list[str]:
     ]
 
 
+def _spi_devices_with_a_twin(board: Board) -> list[str]:
+    """Those beside another of the same part."""
+    parts = {chip.name or refdes: chip.part for refdes, chip in board.chips.items()}
+    devices = _spi_devices(board)
+    return [name for name in devices if sum(parts[other] == parts[name] for other in devices) > 1]
+
+
 def _packet_links(board: Board) -> list[str]:
     return [name for name, joint in board.interconnects.items() if joint.kind == "spi-packets"]
 
@@ -139,6 +146,15 @@ def _nets_from_chips(board: Board) -> list[str]:
     return [net for chip in sensors for net in chip.pins.values() if net in heard]
 
 
+def _nets_that_tell(board: Board) -> list[str]:
+    """Those, and the nets on which one processor tells another something."""
+    pins = [pin for pin in board.pins.values() if pin.wired]
+    driven = {(pin.net, pin.processor) for pin in pins if pin.use == "output"}
+    heard = {(pin.net, pin.processor) for pin in pins if pin.use != "output"}
+    between = {net for net, driver in driven for other, hearer in heard if net == other and driver != hearer}
+    return [*_nets_from_chips(board), *sorted(between)]
+
+
 def _lines_from_chips(board: Board) -> list[str]:
     """UARTs at which a chip talks to the processor; nothing comes in at the others."""
     return [chip.uart for chip in board.chips.values() if chip.uart is not None]
@@ -163,6 +179,8 @@ TARGETS: dict[str, Callable[[Board], list[str]]] = {
     "spi-stuck": _spi_devices,
     "spi-word-slip": _spi_devices,
     "spi-late": _spi_devices,
+    "spi-frozen": _spi_devices,
+    "spi-swapped": _spi_devices_with_a_twin,
     "spi-byte-loss": _spi_devices,
     "spi-byte-duplication": _spi_devices,
     "i2c-nack": _i2c_devices,
@@ -172,11 +190,12 @@ TARGETS: dict[str, Callable[[Board], list[str]]] = {
     "packet-loss": _packet_links,
     "packet-bit-errors": _packet_links,
     "packet-word-slip": _packet_links,
-    "pin-stuck": _nets_from_chips,
+    "pin-stuck": _nets_that_tell,
     "sensor-frozen": _chips,
     "sensor-stuck": able("measures"),
     "sensor-saturated": able("measures"),
     "sensor-drift": able("measures"),
+    "sensor-turned": able("measures"),
     "chip-reset": _chips,
     "chip-off": _chips,
     "chip-wrong-id": able("pretend_id"),
@@ -195,6 +214,7 @@ TARGETS: dict[str, Callable[[Board], list[str]]] = {
     "uart-wrong-baud": _lines_from_chips,
     "uart-garbage": _lines_from_chips,
     "can-disturbance": lambda board: list(board.can),
+    "chip-busy": able("be_busy"),
     "log-removed": lambda board: list(board.logs),
     "nav-nan": _processors,
     "cpu-reset": _processors,
