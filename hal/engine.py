@@ -34,6 +34,9 @@ MODULES = (
     "hal.emulated.uart",
     "boards.chips.bmi160.bus_side",
     "boards.chips.bmi160.chip",
+    "boards.chips.adxl345.fifo_lane",
+    "boards.chips.adxl345.bus_side",
+    "boards.chips.adxl345.chip",
 )
 """Translated together."""
 LIBRARY = "navtwin_engine__mypyc"

@@ -7,11 +7,13 @@ set. What breaks a rule is served as if it had not, and reported.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Protocol
+from typing import ClassVar
 
 from boards.chips.adxl345.core import Core
 from boards.chips.adxl345.fifo import BYPASS, POP_NS
+from boards.chips.adxl345.fifo_lane import FifoLane
 from boards.chips.adxl345.i2c_face import I2cFace
+from boards.chips.adxl345.pin_net import PinNet
 from boards.chips.adxl345.register_map import (
     ACT_TAP_STATUS,
     BW_RATE,
@@ -45,35 +47,20 @@ _CLOCK_MARGIN = 0.9
 """A byte's share of the transfer also holds set-up, hold and stalls."""
 
 
-class PinNet(Protocol):
-    """What the chip needs of the net on one of its pins."""
-
-    level: bool
-    on_first_listener: object
-
-    @property
-    def listened(self) -> bool:
-        """Whether anybody follows the level."""
-        ...
-
-    def set(self, level: bool) -> None:
-        """Drive the level."""
-        ...
-
-
 class BusSide(ABC):
     """The part of the chip that a bus and a supply see; pins and events are `Adxl345`'s."""
 
-    feels = "imu"
+    feels: ClassVar[str] = "imu"
     """The world that it asks."""
-    measures = ("accel",)
+    measures: ClassVar[tuple[str, ...]] = ("accel",)
     """Of what the world tells."""
-    spi_modes = (3,)
+    spi_modes: ClassVar[tuple[int, ...]] = (3,)
     """Clock modes (fact sheet section 1)."""
 
     __slots__ = (
         "_core",
         "_ended_ns",
+        "_lane",
         "_read_ns",
         "_ready_ns",
         "_three_wire",
@@ -109,14 +96,16 @@ class BusSide(ABC):
         self._time = time
         self._three_wire = spi_wires == 3
         self._core = Core(world, self.log, round(clock_error_ppm * 1000.0), supply_v)
+        self._lane = FifoLane(self._core)
         self.powered = True
         """Whether the chip has its supply."""
         self._read_ns: int | None = None
         """When the short way last read the data registers, while the core does not know of it."""
         self._ended_ns = self._ready_ns = 0
         """End of the last SPI transfer, and from when on the next may come."""
-        self._vetted = 0
-        """How long (ns) a read of the six data bytes takes that keeps all rules at the present set-up."""
+        self._vetted = -1
+        """How long (ns) a read of the six data bytes takes that keeps all rules at the present set-up; -1:
+        none has done so."""
 
     @property
     def reports(self) -> list[AccessReport]:
@@ -131,7 +120,8 @@ class BusSide(ABC):
             return
         self.powered = on
         self._read_ns = None
-        self._vetted = 0
+        self._lane.drop()
+        self._vetted = -1
         if on:
             self._core.restart()
         self._after_change(self._time.now)
@@ -293,15 +283,16 @@ class BusSide(ABC):
         core.advance(start_ns)
         for i, value in enumerate(data):
             core.write((first + step * i) & _ADDRESS, value, start_ns, end_ns)
-        self._vetted = 0
+        self._vetted = -1
         self._after_change(start_ns)
 
     def _settle_short_way(self) -> None:
-        """Tell the core of the last read that was cut out of the image."""
+        """Tell the core of reads that were cut out of the image."""
         if self._read_ns is not None:
             self._core.advance(self._read_ns)
             self._core.fifo.read(self._read_ns, self._read_ns, settles=False)
             self._read_ns = None
+        self._lane.close()
 
     def _report_protocol(self, detail: str, time_ns: int) -> None:
         self.log.report(ReportKind.PROTOCOL, "SPI", detail, time_ns)

@@ -1,9 +1,8 @@
 """The ADXL345 as a part on a board: the common read in a short way, interrupt pins and their events.
 
 The common access, the six data bytes in bypass mode, is cut out of the sampler's block image: one slice
-while the sample is still the newest, one search when it is not. The same burst takes a sample out of the
-FIFO without further ado while only output samples change anything, and FIFO_STATUS is told likewise.
-Everything else takes the general way (`bus_side`).
+while the sample is still the newest, one search when it is not. With a FIFO that burst and FIFO_STATUS are
+served by `FifoLane`. Everything else takes the general way (`bus_side`).
 
 Events exist only while somebody follows a pin on which the firmware has put an enabled source. For data
 ready alone, the usual case, that is one event a sample; the others are foreseen, and one event comes when
@@ -14,8 +13,9 @@ from __future__ import annotations
 
 from bisect import bisect_right
 
-from boards.chips.adxl345.bus_side import CS_HIGH_NS, FASTEST_BYTE_NS, BusSide, PinNet
+from boards.chips.adxl345.bus_side import CS_HIGH_NS, FASTEST_BYTE_NS, BusSide
 from boards.chips.adxl345.fifo import BYPASS, POP_NS
+from boards.chips.adxl345.pin_net import PinNet
 from boards.chips.adxl345.register_map import (
     DATA,
     DATA_FORMAT,
@@ -57,7 +57,6 @@ class Adxl345(BusSide):
         "_event",
         "_event_times",
         "_fast_to",
-        "_fifo_way",
         "_frame",
         "_image",
         "_mask",
@@ -100,8 +99,6 @@ class Adxl345(BusSide):
         self._event_times: list[int] = []
         self._next_row = 0
         """Of the next data-ready event; −1 before the first."""
-        self._fifo_way = False
-        """Whether a read of the data only takes a sample out of the FIFO, if one waits."""
         self._fast_to = self._next_ns = 0
         """The short way serves reads before `_fast_to`, and `_frame` those before `_next_ns`; 0: closed."""
         self._frame = b""
@@ -112,22 +109,18 @@ class Adxl345(BusSide):
 
     def transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
         """One chip-select low period; see `hal.emulated.spi.SpiSlave`."""
-        if (
-            len(mosi) != STRIDE
-            or mosi[0] != _BURST
-            or end_ns - start_ns != self._vetted
-            or (start_ns < self._ready_ns and start_ns != self._ended_ns)
-        ):
-            if len(mosi) == 2 and mosi[0] == _STATUS:
-                return self._tell_status(mosi, start_ns, end_ns)
-            return self._transaction(mosi, start_ns, end_ns)
-        if start_ns >= self._fast_to:
-            frame = self._pop(start_ns, end_ns)
-            if frame is None:
+        length = len(mosi)
+        if length == STRIDE and mosi[0] == _BURST:
+            if end_ns - start_ns != self._vetted or (
+                start_ns < self._ready_ns and start_ns != self._ended_ns
+            ):
                 return self._transaction(mosi, start_ns, end_ns)
-            self._ended_ns = end_ns
-            self._ready_ns = end_ns + CS_HIGH_NS
-            return frame
+            if start_ns >= self._fast_to:
+                return self._pop(start_ns, end_ns) or self._transaction(mosi, start_ns, end_ns)
+        elif length == 2 and mosi[0] == _STATUS and self._is_proven(start_ns, end_ns):
+            return self._tell_status(start_ns, end_ns) or self._transaction(mosi, start_ns, end_ns)
+        else:
+            return self._transaction(mosi, start_ns, end_ns)
         self._read_ns = start_ns
         self._ended_ns = end_ns
         self._ready_ns = end_ns + CS_HIGH_NS
@@ -138,45 +131,34 @@ class Adxl345(BusSide):
             self._net.set(not self._active)  # type: ignore[union-attr]
         return self._frame
 
-    def _tell_status(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
-        """FIFO_STATUS, in the usual case without further ado: it changes nothing. A read of the data that
-        kept all rules has shown that the chip drives the wire."""
-        core = self._core
-        now = start_ns + (end_ns - start_ns) // 2
-        if (
-            not self._fifo_way
-            or not self._vetted
-            or end_ns - start_ns < _SHORTEST_STATUS_NS
-            or start_ns < self._ready_ns
-            or core.fifo.settling(now)
-        ):
-            return self._transaction(mosi, start_ns, end_ns)
-        self._ended_ns = end_ns
-        self._ready_ns = end_ns + CS_HIGH_NS
-        if start_ns >= self._next_ns:
-            core.advance(start_ns)
-            self._next_ns = core.next_sample_ns
-        return bytes((0, core.fifo.status(now)))
-
     def _pop(self, start_ns: int, end_ns: int) -> bytes | None:
-        """The same read where it takes a sample out of the FIFO; None when there is more to it.
+        """The same read where it takes a sample out of the FIFO; None when there is more to it."""
+        frame = self._lane.pop(start_ns, end_ns)
+        if frame is not None:
+            self._ended_ns = end_ns
+            self._ready_ns = end_ns + CS_HIGH_NS
+        return frame
 
-        It is complete 5 µs after `end_ns`; on I²C, where that does not matter, at once."""
-        core = self._core
-        fifo = core.fifo
-        if not self._fifo_way or fifo.settling(start_ns + max(0, end_ns - start_ns) // STRIDE):
-            return None
-        if start_ns >= self._next_ns:
-            core.advance(start_ns)
-            self._next_ns = core.next_sample_ns
-        return fifo.pop(end_ns) if fifo.data_ready else None
+    def _is_proven(self, start_ns: int, end_ns: int) -> bool:
+        """Whether a read of a register keeps all rules. One of the data that kept them has shown that the
+        chip drives the wire."""
+        fast_enough = self._vetted > 0 and end_ns - start_ns >= _SHORTEST_STATUS_NS
+        return fast_enough and (start_ns >= self._ready_ns or start_ns == self._ended_ns)
+
+    def _tell_status(self, start_ns: int, end_ns: int) -> bytes | None:
+        """FIFO_STATUS, which changes nothing; None when there is more to it."""
+        answer = self._lane.status(start_ns)
+        if answer is not None:
+            self._ended_ns = end_ns
+            self._ready_ns = end_ns + CS_HIGH_NS
+        return answer
 
     def i2c_read(self, address: int, count: int, time_ns: int) -> bytes:
         """A burst read by I²C; the six data bytes take the short way too."""
         if address != DATA[0] or count != len(DATA) or self._too_fast_for_i2c:
             return super().i2c_read(address, count, time_ns)
         if time_ns >= self._fast_to:
-            frame = self._pop(time_ns, time_ns - POP_NS)
+            frame = self._lane.pop(time_ns, time_ns - POP_NS)
             return frame[1:] if frame is not None else super().i2c_read(address, count, time_ns)
         self._read_ns = time_ns
         if time_ns >= self._next_ns:
@@ -196,13 +178,13 @@ class Adxl345(BusSide):
         """Let the read of the data be served from the block, where nothing but time can change it."""
         core = self._core
         self._fast_to = self._next_ns = 0
-        self._fifo_way = False
+        self._lane.close()
         if not self.powered or not core.steady:
             return
         if self._net is None and self._mask & LIVE:
             return  # a read ends an assertion of the general kind
-        self._fifo_way = core.fifo.mode != BYPASS
-        if self._fifo_way:
+        if core.fifo.mode != BYPASS:
+            self._lane.open()
             return
         sampler = core.sampler
         sampler.cover(sampler.clock.tick(time_ns))

@@ -61,7 +61,7 @@ class Core:
         self._self_test = self_test_g(supply_v)
         self.fifo = Fifo()
         self.detection = Detection(self.registers.values)
-        self._tick = 0
+        self.tick = 0
         """The chip is up to date with this tick of the sampler's clock."""
         self._asleep = False
         """By auto-sleep."""
@@ -80,7 +80,7 @@ class Core:
         )
         self.fifo.reset()
         self.detection.reset()
-        self._tick = 0
+        self.tick = 0
         self._asleep = False
         self.trigger_ns = None
 
@@ -92,7 +92,7 @@ class Core:
         if self.sampler.plan is not None:
             if error_ppb is not None:
                 self.sampler.clock.pull(time_ns, TICK_RATE_HZ, error_ppb)
-            self.sampler.configure(self._tick, self.sampler.plan)
+            self.sampler.configure(self.tick, self.sampler.plan)
 
     def _install_hooks(self) -> None:
         written = self.registers.after_write
@@ -103,7 +103,7 @@ class Core:
         written[DATA_FORMAT] = lambda _old, _new: self._convert()
         written[BW_RATE] = self._rate_changed
         written[POWER_CTL] = self._power_changed
-        written[FIFO_CTL] = lambda _old, new: self.fifo.control(new, self.sampler.registers(self._tick))
+        written[FIFO_CTL] = lambda _old, new: self.fifo.control(new, self.sampler.registers(self.tick))
 
     # -- modes -------------------------------------------------------------------------------------
 
@@ -136,7 +136,7 @@ class Core:
     def _convert(self) -> None:
         values = self.registers.values
         form = word_format(values[DATA_FORMAT], values[BW_RATE])
-        self.sampler.convert(self._tick, self._response(), form)
+        self.sampler.convert(self.tick, self._response(), form)
 
     def _rate_changed(self, _old: int, _new: int) -> None:
         self._convert()
@@ -146,14 +146,14 @@ class Core:
         """Another grid on the clock that runs."""
         plan = self._plan()
         if plan != self.sampler.plan:
-            self.sampler.configure(self._tick, plan)
+            self.sampler.configure(self.tick, plan)
 
     def _begin(self, start_ns: int) -> None:
         """A new stretch of sampling, of which the first period begins at `start_ns`."""
         clock = Oscillator(TICK_RATE_HZ, start_ns, self._error_ppb)
         self.detection.restart(asleep=self.sleeping)
-        self.sampler.restart(self._tick, clock, self._plan())
-        self._tick = 0
+        self.sampler.restart(self.tick, clock, self._plan())
+        self.tick = 0
 
     def _power_changed(self, old: int, new: int) -> None:
         was_sleeping = bool(old & SLEEP) or self._asleep
@@ -161,8 +161,8 @@ class Core:
             self._asleep = False
         self.detection.written(POWER_CTL, old, new, asleep=self.sleeping)
         if not new & MEASURE:
-            self.sampler.restart(self._tick, self.sampler.clock, None)
-            self._tick = 0
+            self.sampler.restart(self.tick, self.sampler.clock, None)
+            self.tick = 0
         elif not old & MEASURE or (was_sleeping and not self.sleeping):
             self._begin(self._end + TURN_ON_NS)
         elif self.sleeping and not was_sleeping:
@@ -193,17 +193,21 @@ class Core:
         """Bring the chip up to a time."""
         while self.sampler.plan is not None:
             tick = self.sampler.clock.tick(time_ns)
-            if tick <= self._tick:
+            if tick <= self.tick:
                 break
             self._step(tick)
         self._now = time_ns
+
+    def resume(self, row: int) -> None:
+        """The FIFO has been brought up to date with that row of the block."""
+        self.tick = max(self.tick, self.sampler.tick_of(row))
 
     def _step(self, upto: int) -> None:
         """Up to the first tick at which something changes, at most to `upto`."""
         sampler = self.sampler
         plan = sampler.plan
         assert plan is not None
-        before, stop = self._tick, upto
+        before, stop = self.tick, upto
         if self.fifo.armed and not self.sleeping:
             count = self.fifo.samples_to_change(*self._wanted(self._trigger_mask()))
             if count:
@@ -214,7 +218,7 @@ class Core:
             stop = self.detection.run(sampler, before, stop)
         if not self.sleeping:
             self.fifo.take(sampler, before, stop // plan.period - before // plan.period)
-        self._tick = stop
+        self.tick = stop
         if self.fifo.armed:
             self._pull_trigger()
         if self.detection.enabled:
@@ -229,7 +233,7 @@ class Core:
     def _pull_trigger(self) -> None:
         if self.source() & self._trigger_mask():
             self.fifo.trigger()
-            self.trigger_ns = self.sampler.clock.instant(self._tick) if self.sampler.plan else self._now
+            self.trigger_ns = self.sampler.clock.instant(self.tick) if self.sampler.plan else self._now
 
     @staticmethod
     def _wanted(mask: int) -> tuple[bool, bool, bool]:
@@ -266,24 +270,24 @@ class Core:
         times = []
         count = 0 if self.sleeping else self.fifo.samples_to_change(*self._wanted(mask & LIVE))
         if count:
-            times.append(sampler.instant_after(self._tick, count))
+            times.append(sampler.instant_after(self.tick, count))
         power = self.registers.values[POWER_CTL]
         turns = power & AUTO_SLEEP and power & LINK
         if self.detection.enabled & mask & DETECTED or (self.detection.enabled and turns) or self.fifo.armed:
-            stop = self._tick + 1
+            stop = self.tick + 1
             if self.detection.enabled:
-                stop = max(stop, self.detection.foresee(sampler, self._tick))
+                stop = max(stop, self.detection.foresee(sampler, self.tick))
                 times.append(sampler.clock.instant(stop))
             count = self.fifo.samples_to_change(*self._wanted(self._trigger_mask())) if self.fifo.armed else 0
             if count:
-                times.append(sampler.instant_after(self._tick, count))
+                times.append(sampler.instant_after(self.tick, count))
         return min(times, default=None)
 
     # -- bus access --------------------------------------------------------------------------------
 
     def newest(self) -> bytes:
         """A zero and the data registers of the newest sample."""
-        return self.sampler.registers(self._tick)
+        return self.sampler.registers(self.tick)
 
     def source_read(self) -> None:
         """INT_SOURCE was read: its latches fall."""
@@ -313,8 +317,3 @@ class Core:
     def plain_bypass(self) -> bool:
         """Whether a read of the data needs nothing but the newest sample of steady sampling."""
         return self.fifo.mode == BYPASS and self.steady
-
-    @property
-    def next_sample_ns(self) -> int:
-        """When the next output sample comes."""
-        return self.sampler.instant_after(self._tick, 1)

@@ -25,7 +25,7 @@ POP_NS = 5_000
 class Fifo:
     """The samples that nobody has read yet."""
 
-    __slots__ = ("_queue", "_taken", "_taken_until", "mode", "overrun", "samples", "triggered", "unread")
+    __slots__ = ("_queue", "_taken", "mode", "overrun", "samples", "settled_ns", "triggered", "unread")
 
     def __init__(self) -> None:
         self._queue: deque[bytes] = deque()
@@ -43,7 +43,8 @@ class Fifo:
         self.overrun = False
         self._taken: bytes | None = None
         """The sample read last; shown while there is no other."""
-        self._taken_until = 0
+        self.settled_ns = 0
+        """When the last read is complete."""
 
     # -- set-up ------------------------------------------------------------------------------------
 
@@ -127,11 +128,14 @@ class Fifo:
 
     def settling(self, time_ns: int) -> bool:
         """Whether the last read is not complete yet."""
-        return time_ns < self._taken_until
+        return time_ns < self.settled_ns
 
     def status(self, time_ns: int) -> int:
         """FIFO_STATUS."""
-        waiting = len(self._queue) + self.settling(time_ns)
+        return self.status_of(len(self._queue) + self.settling(time_ns))
+
+    def status_of(self, waiting: int) -> int:
+        """FIFO_STATUS with so many samples."""
         return (FIFO_TRIG if self.triggered else 0) | min(waiting, ENTRIES)
 
     # -- reading -------------------------------------------------------------------------------------
@@ -155,11 +159,18 @@ class Fifo:
                 return
             self._taken = self._queue.popleft()
         if settles:
-            self._taken_until = end_ns + POP_NS
+            self.settled_ns = end_ns + POP_NS
 
-    def pop(self, end_ns: int) -> bytes:
-        """Read a sample that waits, by a burst that ends at `end_ns`; the last read has settled."""
-        self.overrun = False
-        self._taken = taken = self._queue.popleft()
-        self._taken_until = end_ns + POP_NS
-        return taken
+    # -- worked out elsewhere ------------------------------------------------------------------------
+
+    def waiting(self) -> list[bytes]:
+        """The samples that wait, the oldest first."""
+        return list(self._queue)
+
+    def resume(self, waiting: list[bytes], taken: bytes | None, settled_ns: int) -> None:
+        """Go on with these, `taken` being the sample that was read last meanwhile; None: none was."""
+        self._queue = deque(waiting)
+        if taken is not None:
+            self.overrun = False
+            self._taken = taken
+            self.settled_ns = settled_ns

@@ -141,8 +141,18 @@ class Sampler:
         plan = self.plan
         if plan is None:
             return self.held
-        at = (tick // plan.period - self._first_output // plan.period) * STRIDE
+        at = self.row_of(tick) * STRIDE
         return self.image[at : at + STRIDE] if at >= 0 and self.image else self.held
+
+    def row_of(self, tick: int) -> int:
+        """Of the newest output sample at a tick; -1 or less before the block."""
+        assert self.plan is not None
+        return tick // self.plan.period - self._first_output // self.plan.period
+
+    def tick_of(self, row: int) -> int:
+        """The other way round."""
+        assert self.plan is not None
+        return self._first_output + row * self.plan.period
 
     def instant_after(self, tick: int, count: int) -> int:
         """Time (ns) of the count-th output sample after `tick`."""
