@@ -29,6 +29,7 @@ from host.record.result import BusUse, CpuUse, Event, FaultUse, RunResult
 from host.record.row_text import RowText
 from host.record.run_data import BiasEstimate, GnssBatch, Innovation, MotionBatch, SolutionBatch, TaskTrace
 from host.record.run_folder import RunFolder
+from host.record.screens import FILE_SCALE, Screen, file_name, png
 from host.record.tables import (
     SOLUTION,
     bias_rows,
@@ -127,6 +128,10 @@ class Recorder:
         """When the frames of one identifier of a CAN bus came."""
         self._collector.data.can.append(course)
 
+    def add_screen(self, screen: Screen) -> None:
+        """What the board's display showed."""
+        self._collector.data.screens.append(screen)
+
     def add_status(self, rows: Floats) -> None:
         """Counters that the board told, rows of `host.record.run_data.STATUS_COLUMNS`."""
         self._collector.data.status.add(rows)
@@ -154,16 +159,19 @@ class Recorder:
         faults: Sequence[FaultUse] = (),
         expect: Mapping[str, Limit] | None = None,
         gnss_extra: Mapping[str, float | None] | None = None,
+        metrics_extra: Mapping[str, float | None] | None = None,
     ) -> RunResult:
         """Score the run, write what is left to write, and tell the result.
 
-        `gnss_extra`: figures about the receiver that the caller has measured itself.
+        `gnss_extra`, `metrics_extra`: figures about the receiver and about the solution that the caller has
+        measured itself.
         """
         self._pass_on_slow_rows()
         score = self._scorer.result(duration_s)
         self._collector.data.nees = self._scorer.nees_series
         gnss = {**score.gnss, **(gnss_extra or {})}
-        figures = flat_figures(score.metrics, gnss, cpu, buses, faults, score.recording)
+        metrics = {**score.metrics, **(metrics_extra or {})}
+        figures = flat_figures(metrics, gnss, cpu, buses, faults, score.recording)
         result = RunResult(
             board=self._manifest["board"],
             scenario=self._manifest["scenario"],
@@ -172,7 +180,7 @@ class Recorder:
             duration_s=duration_s,
             wall_s=wall_s,
             state_hash=state_hash,
-            metrics=score.metrics,
+            metrics=metrics,
             gnss=gnss,
             outages=score.outages,
             cpu=tuple(cpu),
@@ -230,6 +238,8 @@ class Recorder:
         if self.capture is not None:
             self.capture.close({"state_hash": result.state_hash, "duration_s": f"{result.duration_s:.9f}"})
         self._csv.close()
+        for number, screen in enumerate(self._collector.data.screens, start=1):
+            folder.file(file_name(number)).write_bytes(png(screen.picture, FILE_SCALE))
         folder.file("solution.csv.part").replace(folder.file("solution.csv"))
         write_whole(folder.file("result.json"), json.dumps(result.to_dict(), indent=1) + "\n", "--out")
         write_whole(folder.file("report.html"), render(result, self._manifest), "--out")

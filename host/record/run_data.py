@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from host.link.messages import Sensor
 from host.record.can_course import CanCourse
+from host.record.screens import Screen
 from host.record.series import DecimatedSeries
 
 Floats = NDArray[np.float64]
@@ -144,3 +145,5 @@ class RunData:
     sensor: DecimatedSeries = field(default_factory=lambda: DecimatedSeries(SENSOR_COLUMNS, STATUS_LIMIT))
     """Rows of `host.record.tables.SENSOR`, ages that are not known NaN."""
     can: list[CanCourse] = field(default_factory=list)
+    screens: list[Screen] = field(default_factory=list)
+    """What an operator saw on the board's display."""

@@ -24,6 +24,8 @@ OWN_FILES = ("result.json", "report.html", *GROWING, *(f"{name}.part" for name i
 
 LOGS = "*.bin"
 """What boards write to their logs."""
+SCREENS = "screen-*.png"
+"""What was seen on their displays."""
 
 
 class RunFolder:
@@ -37,7 +39,7 @@ class RunFolder:
         try:
             path.mkdir(parents=True, exist_ok=True)
             self._claim = _claimed(path)
-            for file in (*(path / name for name in OWN_FILES), *path.glob(LOGS)):
+            for file in (*(path / name for name in OWN_FILES), *path.glob(LOGS), *path.glob(SCREENS)):
                 file.unlink(missing_ok=True)
         except OSError as error:
             self.release()

@@ -39,6 +39,10 @@ pre {
 }
 .pair { display: grid; grid-template-columns: repeat(auto-fit, minmax(480px, 1fr)); gap: 0 14px; }
 .chart { width: 100%; }
+.screens { display: flex; flex-wrap: wrap; gap: 12px; }
+.screens figure { margin: 0; }
+.screens img { image-rendering: pixelated; display: block; border-radius: 4px; }
+figcaption { color: var(--soft); font-size: 13px; }
 footer { color: var(--soft); font-size: 13px; margin-top: 24px; word-break: break-all; }
 """
 

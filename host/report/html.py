@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from host.record.screens import Screen, png
 from host.report.assets import SCRIPT, STYLE
 from host.report.charts import Chart
 from host.report.summary import MET, NOT_MET, Section
@@ -52,6 +53,21 @@ def chart_block(chart: Chart) -> str:
         f'<section><h2>{escape(chart.title)}</h2><p class="note">{escape(chart.explanation)}</p>'
         f'<div class="chart" id="{escape(chart.key)}"></div></section>'
     )
+
+
+def screen_blocks(screens: Sequence[Screen]) -> list[str]:
+    """What was seen on the board's display, each picture with the instant from which it stood."""
+    if not screens:
+        return []
+    pictures = "".join(
+        f'<figure><img alt="display" width="256" src="data:image/png;base64,'
+        f'{base64.b64encode(png(screen.picture)).decode()}"><figcaption>{screen.time_ns / 1e9:.1f} s'
+        "</figcaption></figure>"
+        for screen in screens
+    )
+    note = "What an operator saw, from the instant below each picture on."
+    heading = f'<h2>Display</h2><p class="note">{note}</p>'
+    return [f'<section>{heading}<div class="screens">{pictures}</div></section>']
 
 
 def card(value: str, label: str) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 from host.record.result import RunResult
 from host.record.run_data import RunData
 from host.report.charts import Chart, charts
-from host.report.html import card, chart_block, chart_scripts, document, table
+from host.report.html import card, chart_block, chart_scripts, document, screen_blocks, table
 from host.report.numbers import number, percent
 from host.report.summary import sections, verdict
 from host.report.timeline import timeline
@@ -32,6 +32,7 @@ def render(result: RunResult, manifest: Mapping[str, Any]) -> str:
         *map(chart_block, figures),
         *_pair(_take(tables, "Consistency and coverage", "GNSS outages")),
         *_take(tables, "Recording: constants of the reference", "Recording: mounting"),
+        *screen_blocks(result.data.screens if result.data is not None else []),
         *_pair(_take(tables, "Processors", "Buses")),
         *_take(tables, "Tasks"),
         *map(chart_block, timelines),

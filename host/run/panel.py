@@ -6,16 +6,15 @@ Keys and switch drive nets, which a capture records like all others: a strict re
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from boards.assembly import AssembledBoard
 from boards.hints import did_you_mean
 from hal.emulated.virtual_time import SECOND, VirtualTime
 from host.record.errors import UserError
+from host.record.screens import Picture, Screen
 from host.run.screen_text import text_lines
 from host.sim.scenario.panel_schema import HELD_S, KeyPress
 from host.sim.scenario.panel_schema import Panel as Script
@@ -23,17 +22,6 @@ from host.sim.scenario.panel_schema import Panel as Script
 LOOK_EVERY_NS = 200_000_000
 """An operator's eye: a picture that stands for two looks has been seen."""
 SCREENS_KEPT = 300
-
-Picture = NDArray[np.uint8]
-
-
-@dataclass(frozen=True, slots=True)
-class Screen:
-    """What the display showed from an instant on."""
-
-    time_ns: int
-    picture: Picture
-    """(rows, columns) grey levels 0 … 15."""
 
 
 class Panel:

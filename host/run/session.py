@@ -23,6 +23,7 @@ from hal.emulated.virtual_time import SECOND
 from host.record.manifest import build_manifest
 from host.record.recorder import Recorder
 from host.record.result import RunRequest, RunResult
+from host.run.age_of_data import AgeOfData, sample_tellers
 from host.run.faults import Placed
 from host.run.garbage import collect_young, undisturbed
 from host.run.intake import HOST_PORT, LinkIntake
@@ -67,6 +68,9 @@ class RunSession:
         cpu.reset_hooks.append(self._intake.flush)  # what has come belongs to the clock that ends here
         self.ears = Ears(board, HOST_PORT, self._intake.receive, recorder.capture)
         self._intake.gather = self.ears.hand_on
+        self._ages = AgeOfData(sample_tellers(board.chips), cpu.virtual_ns)
+        if self._ages.figures():
+            board.from_board[HOST_PORT].attach(self._ages)
         self._looked_ns = 0
         self._source = board_source(request)
         for cpu in board.cpus.values():
@@ -115,6 +119,8 @@ class RunSession:
             for report in getattr(chip, "reports", ()):
                 told = f"{report.kind.value}: {report.register}: {report.detail}, {report.count} times"
                 recorder.add_event(report.first_ns, refdes, told)
+        for screen in self.panel.screens if self.panel is not None else ():
+            recorder.add_screen(screen)
         return recorder.finish(
             duration_s=duration_ns / SECOND,
             wall_s=wall_s,
@@ -124,6 +130,7 @@ class RunSession:
             faults=[placed.use() for placed in self.faults],
             expect=self.world.scenario.expect if judged else None,
             gnss_extra=self._intake.tags.figures(),
+            metrics_extra=self._ages.figures(),
         )
 
     def close(self) -> None:

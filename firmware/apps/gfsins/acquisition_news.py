@@ -13,6 +13,7 @@ from hal.board_io import BoardIo
 from hal.errors import BusError
 
 PATIENCE = 3
+MARKS = (commands.MARK, commands.SETTINGS_MARK)
 PHASES = tuple(SetupPhase)
 COMPASS_OUTCOMES = tuple(CompassOutcome)
 
@@ -32,6 +33,8 @@ class AcquisitionNews:
         self.port_errors = 0
         self.pulse_dated = False
         self.unsent = 0
+        self.in_settings = False
+        """Whether the FPGA is in settings mode: it sends no packets of measurements."""
         self._bus = io.command_buses["commands"]
         self._reception = reception
         self._latest = latest
@@ -45,11 +48,21 @@ class AcquisitionNews:
             self.unanswered += 1
             return
         mark, starts, *chips, compass, phase, port_errors, unsent = commands.STATUS.unpack(data)
-        self.unanswered = 0 if mark == commands.MARK else self.unanswered + 1
+        self.unanswered = 0 if mark in MARKS else self.unanswered + 1
         if not self.unanswered:
+            self.in_settings = mark == commands.SETTINGS_MARK
             self.missing, self.stuck, self.at_odds = chips
             self.starts, self.compass = starts, compass
             self._phase, self.port_errors, self.unsent = phase, port_errors, unsent
+            if self.in_settings:
+                self._tell_presence()
+
+    def _tell_presence(self) -> None:
+        """An operator at the FPGA wants to know whether anybody solves."""
+        try:
+            self._bus.transaction(commands.ADDRESS, bytes((commands.PRESENT,)))
+        except BusError:
+            self.unanswered += 1
 
     def tell_alignment(self, yaw: float, pitch: float, roll: float) -> None:
         """The result, in radians."""

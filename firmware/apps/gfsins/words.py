@@ -38,6 +38,7 @@ class Words:
         self._synced = True
         self._sync_looks = 0
         self._answers = True
+        self._in_settings = False
 
     @property
     def is_silent(self) -> bool:
@@ -96,6 +97,10 @@ class Words:
         if news.answers != self._answers:
             self._answers = news.answers
             say("acquisition answers commands again" if news.answers else "acquisition answers no command")
+        if news.in_settings != self._in_settings:
+            self._in_settings = news.in_settings
+            now = "is in" if news.in_settings else "has left"
+            say(f"acquisition {now} settings mode")
         self._missing = self._tell_chips(news.missing, self._missing, "missing")
         self._stuck = self._tell_chips(news.stuck, self._stuck, "stuck")
         self._at_odds = self._tell_chips(news.at_odds, self._at_odds, "at odds with the others")
