@@ -7,6 +7,7 @@ epochs) that it changed.
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import Any
 
@@ -150,6 +151,7 @@ class Sense:
 
     def __init__(self, world: Any) -> None:
         self._world = world
+        self.most_ahead_s: float = getattr(world, "most_ahead_s", math.inf)
         self.defects: list[Defect] = []
 
     def sample(self, times_ns: Times, *bandwidth_hz: float) -> Floats:

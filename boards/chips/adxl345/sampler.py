@@ -11,13 +11,14 @@ whatever runs seldom runs slowly; the first after a set-up or a pause is short, 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from boards.chips.adxl345.sample_kernels import STRIDE, fill_g, fill_means, fill_words
-from boards.chips.adxl345.settings import AVERAGED_TICKS, STANDARD_GRAVITY, WordFormat
+from boards.chips.adxl345.settings import AVERAGED_TICKS, STANDARD_GRAVITY, TICK_RATE_HZ, WordFormat
 from boards.chips.oscillator import Oscillator
 from boards.chips.world import ImuWorld
 
@@ -65,6 +66,8 @@ class Sampler:
 
     def __init__(self, world: ImuWorld, response: Response, form: WordFormat) -> None:
         self.world = world
+        most = getattr(world, "most_ahead_s", math.inf) * TICK_RATE_HZ
+        self._first_block, self._block = (int(min(n, most)) for n in (FIRST_BLOCK_TICKS, BLOCK_TICKS))
         self.clock = Oscillator(1, 0)
         self.plan: Plan | None = None
         """None in standby."""
@@ -130,9 +133,9 @@ class Sampler:
             if plan.fine:
                 self._load(start, FINE_BLOCK_TICKS)
                 continue
-            ticks = BLOCK_TICKS if self.first_tick < start else FIRST_BLOCK_TICKS
-            if tick >= start + max(FIRST_BLOCK_TICKS, grid):  # nobody looked for a long time: jump
-                start, ticks = max(start, tick - tick % grid), FIRST_BLOCK_TICKS
+            ticks = self._block if self.first_tick < start else self._first_block
+            if tick >= start + max(self._first_block, grid):  # nobody looked for a long time: jump
+                start, ticks = max(start, tick - tick % grid), self._first_block
             self._load(start, ticks)
 
     def registers(self, tick: int) -> bytes:
