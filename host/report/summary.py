@@ -47,6 +47,7 @@ def sections(result: RunResult) -> list[Section]:
         _quality(result),
         _outages(result),
         *_recording(result),
+        _ages(result),
         _processors(result),
         _tasks(result),
         _buses(result),
@@ -181,6 +182,24 @@ def _fit_row(label: str, fit: Mapping[str, Any]) -> tuple[str, ...]:
     kinds = ("horizontal", "vertical")
     figures = [fit[f"{when}_position_{kind}_rms_m"] for kind in kinds for when in ("before", "after")]
     return (label, number(fit["time_shift_s"]), *map(number, fit["offset_frd_m"]), *map(number, figures))
+
+
+AGES = (
+    ("sample to first bit of the solution", "age_of_data"),
+    ("sample to the solution's epoch", "sample_to_epoch"),
+    ("epoch to first bit", "epoch_to_line"),
+)
+
+
+def _ages(result: RunResult) -> Section:
+    """Of boards whose sensors tell when a sample was taken."""
+    rows = []
+    for label, name in AGES:
+        figures = [result.metrics.get(f"{name}_{figure}_us") for figure in ("mean", "p95", "max")]
+        if figures[0] is not None:
+            rows.append((label, *map(number, figures)))
+    note = "sample: the oldest of the newest of all chips, by their own instants; first bit: on the host line"
+    return Section("Age of data", ("µs", "mean", "95 %", "max"), tuple(rows), note=note)
 
 
 def _processors(result: RunResult) -> Section:

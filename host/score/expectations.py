@@ -18,6 +18,7 @@ from typing import Any, Protocol
 from boards.hints import did_you_mean
 from host.record.errors import UserError
 from host.record.result import BusUse, CpuUse, Expectation, FaultUse
+from host.score.ages import AGE_FIGURES
 from host.score.recording_fit import FIGURES
 from host.score.scorer import Scorer
 
@@ -63,7 +64,7 @@ def check_names(
     `recording`: whether it is scored against the reference of a recording.
     """
     empty = Scorer().result(0.0)
-    known = set(flat_figures(empty.metrics, empty.gnss))
+    known = {*flat_figures(empty.metrics, empty.gnss), *AGE_FIGURES}
     if recording:
         known |= {f"recording.{figure}" for figure in FIGURES}
     for head, names in (parts or {}).items():
