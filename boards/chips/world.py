@@ -28,8 +28,8 @@ class ImuWorld(Protocol):
         `times_ns` rises strictly within one call. A later call may start earlier than the previous one
         ended when the chip was reconfigured, by at most eight seconds.
 
-        A world whose motion is not decided for all time has an attribute `most_ahead_s`: chips ask for no more
-        than that at once.
+        A world whose motion is not decided for all time has an attribute `most_ahead_s`: a chip asks for no
+        more than that at once.
         """
         ...
 

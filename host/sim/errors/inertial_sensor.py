@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,9 +30,17 @@ from host.sim.errors.sensor_kernel import (
 )
 from host.sim.errors.sensor_kernel import CONSTANTS as SENSOR_CONSTANTS
 from host.sim.seeding import generator
-from host.sim.trajectory.motion import CHUNK_SHIFT, CHUNKS_KEPT, Motion, split_by_chunk
+from host.sim.trajectory.motion import CHUNK_SHIFT, CHUNKS_KEPT, split_by_chunk
 
 Array = NDArray[np.float64]
+
+
+class Course(Protocol):
+    """A motion."""
+
+    def rows(self, times_ns: NDArray[np.int64]) -> Array:
+        """Rows of truth (n, 24) at rising times; columns as in `host.sim.trajectory.kinematics`."""
+        ...
 
 
 class InertialSensor:
@@ -39,7 +48,7 @@ class InertialSensor:
 
     def __init__(
         self,
-        motion: Motion | None,
+        motion: Course | None,
         specimen: Specimen,
         seed: int,
         component: str,
