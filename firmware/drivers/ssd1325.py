@@ -72,6 +72,10 @@ class Ssd1325:
         self._reset_pin.set(True)
         self._command(bytes((NOTHING,)) * LONGEST_ARGUMENTS + b"".join(SETTINGS) + bytes((ON,)))
 
+    def stop(self) -> None:
+        """Dark, the panel's current off; `start` or `restore` switch it on again."""
+        self._command(bytes((OFF,)))
+
     def fill(self, column: int, row: int, columns: int, rows: int, pair: int) -> None:
         """One byte for two pixels all over a block, by the controller. Raises ValueError outside."""
         _check_block(column, row, columns, rows)

@@ -50,6 +50,10 @@ class TextScreen:
         self._display.start()
         self._shown = [(BLANK_LINE, False)] * LINES
 
+    def stop(self) -> None:
+        """Dark, whatever stands on it."""
+        self._display.stop()
+
     def show(self, lines: Sequence[str], marked: int | None = None) -> None:
         """Have these lines on the screen, those beyond the last one empty; `marked`: the inverted one.
 

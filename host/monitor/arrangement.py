@@ -12,6 +12,7 @@ NARROW = 60
 WIDE, HIGH = 108, 34
 """From so many columns and rows on everything fits."""
 WITH_SKY = 150
+DISPLAY_ROWS, TEXT_ROWS, LEAST_BESIDE = 18, 10, 34
 NARROW_ROWS = {"attitude": 11, "position": 10, "link": 9, "satellites": 10, "events": 6}
 
 Boxes = Mapping[str, Lines]
@@ -26,6 +27,15 @@ def arranged(boxes: Boxes, width: int, height: int, receiver_only: bool) -> Layo
     if width < WIDE or height < HIGH:
         return _small(boxes, height)
     return _large(boxes, width, height)
+
+
+def with_display(boxes: Boxes, width: int, height: int, display_columns: int) -> Layout:
+    """The board's own display, what it says, and beside it the line where there is room."""
+    if width < display_columns or height < DISPLAY_ROWS:
+        return _column(box("display", boxes["display"], TEXT_ROWS), box("events", boxes["events"]))
+    shown = [box("display", boxes["display"], display_columns)]
+    beside = [box("link and flags", boxes["link"])] if width >= display_columns + LEAST_BESIDE else []
+    return _column(_row(*shown, *beside, size=DISPLAY_ROWS), box("events", boxes["events"]))
 
 
 def _narrow(boxes: Boxes, height: int) -> Layout:

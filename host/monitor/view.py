@@ -18,7 +18,8 @@ from rich.text import Text
 from firmware.link.frames import SOLUTION
 from host.link.decoder import LinkDecoder
 from host.link.messages import Solution, Status
-from host.monitor.arrangement import Boxes, arranged
+from host.monitor.arrangement import Boxes, arranged, with_display
+from host.monitor.display_panel import columns_of, display_lines
 from host.monitor.health_panels import event_lines, imu_lines, innovation_lines, link_lines, task_lines
 from host.monitor.link_health import LinkHealth
 from host.monitor.listener import Listener
@@ -28,6 +29,7 @@ from host.monitor.picture import Picture, single
 from host.monitor.receiver_panels import satellite_lines, sky_lines
 from host.monitor.state import BoardState, Shown
 from host.monitor.words import duration, mode_name, mode_style
+from host.record.screens import Picture as DisplayPicture
 
 SMALLEST = 10
 """Columns and rows are taken to be at least so many."""
@@ -45,6 +47,8 @@ class MonitorView:
         self.source = ""
         """One line about where the data come from and how that is; its style below."""
         self.source_style = ""
+        self.display: DisplayPicture | None = None
+        """What the board's own display shows; None: it has none, or it is dark."""
         self.hint = ""
         """The last line: keys, or what the user could do."""
         self._begin(decoder if decoder is not None else LinkDecoder())
@@ -102,7 +106,10 @@ class MonitorView:
         state = self.state
         told_more = state.solution or state.attitude or state.inertial or self.link.frames
         receiver_only = state.gnss is not None and not told_more
-        body = arranged(self._boxes(), width, height - 2, receiver_only)
+        if self.display is None:
+            body = arranged(self._boxes(), width, height - 2, receiver_only)
+        else:
+            body = with_display(self._boxes(), width, height - 2, columns_of(self.display))
         root = Layout()
         hint = single(Text(self.hint or " ", "dim"))
         root.split_column(Layout(self._head(width), size=1), body, Layout(hint, size=1))
@@ -123,6 +130,7 @@ class MonitorView:
             "tasks and innovations": self._tasks_and_innovations,
             "innovations": partial(innovation_lines, state),
             "events": partial(event_lines, state),
+            "display": partial(display_lines, self.display) if self.display is not None else _nothing,
         }
 
     def _tasks_and_innovations(self, width: int, height: int) -> list[Text]:
@@ -144,3 +152,7 @@ class MonitorView:
         title = self.title if len(self.title) <= room else "…" + self.title[1 - room :]
         head = Text.assemble((f" {title} ", "bold reverse"), "  ", state, no_wrap=True)
         return single(head)
+
+
+def _nothing(_width: int, _height: int) -> list[Text]:
+    return []

@@ -20,12 +20,15 @@ from hal.emulated.virtual_time import SECOND
 from host.record.errors import UserError
 from host.record.result import finite_or_none
 from host.run.faults import Placed, name_of, place_now
+from host.run.panel import Panel
 from host.run.session import RunSession
 from host.serve.pacing import FASTEST, SLOWEST, PacedRun
 from host.sim.scenario.errors import ScenarioError
+from host.sim.scenario.panel_schema import HELD_S, SHORTEST_S
 from host.sim.scenario.schema import Fault
 
 Reply = dict[str, Any]
+LONGEST_HELD_S = 3600.0
 DEEPEST = 8
 """Levels of lists and objects in a command."""
 POSITION = {"latitude_deg": (-89.0, 89.0), "longitude_deg": (-180.0, 180.0), "height_m": (-1000.0, 1e5)}
@@ -38,11 +41,15 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     "position": {"latitude_deg": 48.137, "longitude_deg": 11.575, "height_m": 519.0},
     "inject": {"kind": "uart-cut", "target": "gnss", "duration_s": 5.0},
     "clear": {"name": "uart-cut gnss"},
+    "press": {"key": "OK", "held_s": 0.15},
+    "screen": {},
     "metrics": {},
     "status": {},
     "stop": {},
 }
 """Every command with arguments that are valid."""
+OPTIONAL = {"held_s": HELD_S}
+"""Arguments that may be left out, and what they are then."""
 
 
 class Commands:
@@ -59,6 +66,8 @@ class Commands:
             "position": self._position,
             "inject": self._inject,
             "clear": self._clear,
+            "press": self._press,
+            "screen": self._screen,
             "metrics": self._metrics,
             "status": lambda _asked: self._status(),
             "stop": lambda _asked: self._done(paced.stop),
@@ -98,9 +107,9 @@ class Commands:
                 raise UserError(f"{name}: there is no argument {key!r}; {hint}")
         if name != "inject":
             for key in known:
-                if key not in arguments:
+                if key not in arguments and key not in OPTIONAL:
                     raise UserError(f"{name}: the argument {key!r} is missing")
-        if name in ("pause", "resume", "metrics", "status", "stop"):
+        if name in ("pause", "resume", "screen", "metrics", "status", "stop"):
             self.log(name, {})
 
     # -- pace --------------------------------------------------------------------------------------
@@ -174,6 +183,28 @@ class Commands:
             hint = did_you_mean(str(name), faults) if faults else "none has been injected"
             raise UserError(f"clear: there is no fault {name!r}; {hint}")
         return faults[name]
+
+    # -- the operator ------------------------------------------------------------------------------
+
+    def _press(self, asked: Mapping[str, Any]) -> Reply:
+        held_s = _number({**OPTIONAL, **asked}, "held_s", SHORTEST_S, LONGEST_HELD_S)
+        key = asked["key"]
+        if not isinstance(key, str):
+            raise UserError(f'press: key = {key!r} is no text; for example "OK"')
+        self._panel("keys").press(key, held_s)
+        self.log("press", {"key": key, "held_s": held_s})
+        return {"key": key, "held_s": held_s}
+
+    def _screen(self, _asked: Mapping[str, Any]) -> Reply:
+        """Its text, and each row of pixels as hexadecimal digits: their levels of grey."""
+        panel = self._panel("display")
+        rows = ["".join(f"{level:x}" for level in row) for row in panel.picture().tolist()]
+        return {"lines": panel.lines(), "rows": rows}
+
+    def _panel(self, part: str) -> Panel:
+        if self._session.panel is None:
+            raise UserError(f"board {self._session.setup.board.name} has no {part}")
+        return self._session.panel
 
     # -- figures -----------------------------------------------------------------------------------
 

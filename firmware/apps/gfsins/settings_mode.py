@@ -55,7 +55,7 @@ class SettingsMode:
             io.watchdog.kick()
             self._look(looks)
         io.timers["acquisition"].stop()
-        self._screen.show(["Acquisition"])
+        self._screen.stop()
 
     def _begin(self) -> None:
         io = self._io
