@@ -72,6 +72,10 @@ class InertialSensor:
         self._slow: dict[int, Array] = {}
         self._output_changes = specimen.output.changes
 
+    def put_on(self, motion: Course) -> None:
+        """Let it go through another motion."""
+        self._motion = motion
+
     def road(self, times_ns: NDArray[np.int64]) -> Array:
         """Rows of truth (n, 24) at rising times, as `measured` takes them."""
         assert self._motion is not None
