@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -27,8 +28,8 @@ from firmware.nav.gyro_free.filters import (
 )
 from firmware.nav.gyro_free.packet_door import PacketDoor
 
-WINDOW, MOST_OF_WINDOW, BAD_WINDOWS = 50, 35, 2
-"""Readings; readings refused; windows."""
+WINDOW, MANY, BAD_WINDOWS = 50, 8, 4
+"""Readings of the compass; so many refused are no chance; windows of this kind in a row."""
 LOST_NS = 2_000_000_000
 POSITION_NOISE, HEIGHT_NOISE, VELOCITY_NOISE = 10.0, 10.0, 0.1
 
@@ -56,9 +57,9 @@ class Navigation(NavigationState):
             known = int(self.integers[record.FLAGS]) if self.is_navigating else 0
             self.integers[record.FLAGS] = self.flags_of(known)
 
-    def start(self, start: Beginning) -> None:
-        """Navigate from there."""
-        begin(self.federation, self.config, start)
+    def start(self, start: Beginning, certainty: Mapping[str, float] | None = None) -> None:
+        """Navigate from there; `certainty`: initial 1 σ that differ from those of the configuration."""
+        begin(self.federation, replace(self.config, **(certainty or {})), start)
 
     def forget(self) -> None:
         """Begin anew, as after power-on."""
@@ -69,13 +70,13 @@ class Navigation(NavigationState):
 
     def looks_lost(self) -> bool:
         """Asked at each reading of the compass: whether attitude has gone for good, as it does when the rate
-        was wrong for a while. Most readings of a compass that works have been refused in BAD_WINDOWS windows in
-        a row, or no sample was a rate that a vehicle can have for LOST_NS."""
+        was wrong for a while. Many readings of a compass that works have been refused in BAD_WINDOWS windows
+        in a row, or no sample was a rate that a vehicle can have for LOST_NS."""
         n = self.federation.n
         self._readings += 1
         if self._readings >= WINDOW:
             refused, repeats = int(n[gl.REFUSED_MEASUREMENTS]), n[gl.REPEATS] >= n[gl.LIMIT_REPEATS]
-            bad = refused - self._refused >= MOST_OF_WINDOW and not repeats
+            bad = refused - self._refused >= MANY and not repeats
             self._bad_windows = self._bad_windows + 1 if bad else 0
             self._refused, self._readings = refused, 0
         unused_ns = int(self.i[layout.TIME] - self.i[layout.GOOD_SAMPLE_TIME])
