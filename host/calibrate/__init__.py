@@ -1,0 +1,1 @@
+"""Calibration of a board by its own firmware, on a simulated table."""

@@ -1,0 +1,203 @@
+"""Who stands at the board: reads its screen, presses its keys, and has the table do what the screen asks for.
+
+Nothing goes past the panel: what is not on the screen is not known here.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from firmware.apps.gfsins.menu_tree import LABELS
+from firmware.nav.gyro_free.twelve_positions import position_axes
+from hal.emulated.virtual_time import SECOND
+from host.calibrate.table_world import TableWorld, level
+from host.record.errors import UserError
+from host.run.panel import Panel
+from host.run.session import RunSession
+
+LOOK_NS = SECOND // 10
+SETTLE_NS = 3 * SECOND // 10
+"""From the end of a turn to the key."""
+LONGEST_S = 60.0
+"""Without any change on the screen."""
+MOST_REFUSALS = 5
+SPIN_S = 5.0
+TWELVE = re.compile(r"\d+/\d+ x ([NSEWUD]), y ([NSEWUD]), z ([NSEWUD])")
+TURN = re.compile(r"\d+/\d+ ([xyz]) up ([+-]\d+) deg/s")
+HEADING = re.compile(r"\d+/\d+ heading (\d+)")
+AT_REST = re.compile(r"\d+/\d+ level, at rest")
+TURN_NOW = re.compile(r"turn now ([+-]\d+) deg/s")
+DISPLAY_ROWS, ROW_HEIGHT = 8, 8
+LIT = 8
+UPWARDS = {"x": "UEN", "y": "NUE", "z": "ENU"}
+"""Attitudes with one axis up."""
+ALIGNED_AT = math.radians(40.0)
+
+
+@dataclass
+class Account:
+    """One procedure as the operator saw it."""
+
+    name: str
+    done: bool = False
+    lines: list[str] = field(default_factory=list)
+    """The screen of its result."""
+    refusals: list[str] = field(default_factory=list)
+    took_s: float = 0.0
+
+
+class Operator:
+    """At one session in settings mode."""
+
+    def __init__(
+        self, session: RunSession, world: TableWorld, tick: Callable[[float], None] | None = None
+    ) -> None:
+        if session.panel is None or session.panel.display is None or session.panel.keypad is None:
+            raise UserError(f"board {session.setup.board.name} has no display and keys to calibrate it with")
+        self._session = session
+        self._world = world
+        self._panel: Panel = session.panel
+        self._tick = tick
+        self._axis = "z"
+
+    def calibrate(self, name: str) -> Account:
+        """A whole procedure, from the first page and back to it."""
+        begun_ns = self._session.now_ns
+        account = Account(name)
+        self._choose(LABELS[name])
+        self._press("OK")
+        self._press("OK")
+        self._work(account)
+        account.took_s = (self._session.now_ns - begun_ns) / SECOND
+        self._press("OK" if account.done else "BACK")
+        return account
+
+    # -- the screen --------------------------------------------------------------------------------
+
+    def wait_for(self, text: str) -> list[str]:
+        """Until a line holds it. Raises UserError."""
+        return self._until(lambda lines: any(text in line for line in lines), f"{text!r}")
+
+    def _until(self, seen: Callable[[list[str]], bool], what: str) -> list[str]:
+        before: list[str] = []
+        since_ns = self._session.now_ns
+        while True:
+            lines = self._panel.lines()
+            if seen(lines):
+                return lines
+            if lines != before:
+                before, since_ns = lines, self._session.now_ns
+            if self._session.now_ns - since_ns > LONGEST_S * SECOND:
+                shown = " | ".join(line for line in lines if line) or "nothing"
+                raise UserError(f"the board's screen never showed {what}; it shows: {shown}")
+            self._pass(LOOK_NS)
+
+    def _pass(self, duration_ns: int) -> None:
+        self._session.run_until(self._session.now_ns + duration_ns)
+        if self._tick is not None:
+            self._tick(self._session.now_ns / SECOND)
+
+    def _press(self, key: str) -> None:
+        self._panel.press(key)
+        self._pass(4 * LOOK_NS)
+
+    def _choose(self, label: str) -> None:
+        """Go down the list until the marked line is that one."""
+        for _ in range(20):
+            if self._marked() == label:
+                return
+            self._press("DOWN")
+        raise UserError(
+            f"the board's menu has no item {label!r}; it shows: {' | '.join(self._panel.lines())}"
+        )
+
+    def _marked(self) -> str:
+        """The line that is dark on light."""
+        lit = (self._panel.picture() >= LIT).reshape(DISPLAY_ROWS, -1).mean(axis=1)
+        row = int(np.argmax(lit))
+        return self._panel.lines()[row].strip() if lit[row] > 0.5 else ""
+
+    # -- a procedure -------------------------------------------------------------------------------
+
+    def _work(self, account: Account) -> None:
+        answered = ""
+        while True:
+            lines = self._until(partial(_asks, answered), "what to do next")
+            if lines[0].endswith(("done", "FAILED")):
+                account.done = lines[0].endswith("done")
+                account.lines = self._whole_result(lines)
+                return
+            asked = lines[2]
+            if TURN_NOW.fullmatch(asked):
+                self._turn(asked)
+                answered = asked
+                continue
+            if asked == answered:
+                account.refusals.append(lines[6])
+                if len(account.refusals) > MOST_REFUSALS:
+                    raise UserError(f"the board refuses position {asked!r} again and again: {lines[6]}")
+            self._bring_into(asked)
+            self._press("OK")
+            answered = asked
+            self._until(partial(_takes, asked), "that it collects")
+
+    def _whole_result(self, lines: list[str]) -> list[str]:
+        """All of it, line by line below the title."""
+        found = [line for line in lines[1:-1] if line]
+        for _ in range(20):
+            self._press("DOWN")
+            now = [line for line in self._panel.lines()[1:-1] if line]
+            if not now or now[-1] in found:
+                break
+            found.append(now[-1])
+        return found
+
+    def _bring_into(self, prompt: str) -> None:
+        table, now_ns = self._world.table, self._session.now_ns
+        wanted = self._attitude(prompt)
+        if not np.allclose(wanted, table.attitude, atol=1e-9):
+            table.turn_to(wanted, now_ns)
+        until_ns = max(table.rests_from_ns, now_ns) + SETTLE_NS
+        while self._session.now_ns < until_ns:
+            self._pass(min(LOOK_NS, until_ns - self._session.now_ns))
+
+    def _attitude(self, prompt: str) -> NDArray[np.float64]:
+        """C_n_b. Raises UserError for a prompt that it does not understand."""
+        twelve, turn, heading = TWELVE.fullmatch(prompt), TURN.fullmatch(prompt), HEADING.fullmatch(prompt)
+        if twelve:
+            return position_axes("".join(twelve.groups())).T
+        if turn:
+            self._axis = turn.group(1)
+            return position_axes(UPWARDS[self._axis]).T
+        if heading:
+            return level(math.radians(int(heading.group(1))) + self._world.declination)
+        if AT_REST.fullmatch(prompt):
+            return level(ALIGNED_AT)
+        raise UserError(f"the board's screen asks for {prompt!r}, which nobody understands")
+
+    def _turn(self, prompt: str) -> None:
+        told = TURN_NOW.fullmatch(prompt)
+        assert told is not None
+        axis = np.eye(3)["xyz".index(self._axis)]
+        self._world.table.spin(axis, math.radians(int(told.group(1))), SPIN_S, self._session.now_ns)
+
+
+def _asks(answered: str, lines: list[str]) -> bool:
+    """Whether something is to be done: a key, a turn, or the end."""
+    if lines[0].endswith(("done", "FAILED")):
+        return True
+    if TURN_NOW.fullmatch(lines[2]):
+        return lines[2] != answered
+    return "OK: it stands so" in lines[7]
+
+
+def _takes(asked: str, lines: list[str]) -> bool:
+    """Whether the key was heard: another prompt, or a refusal."""
+    return lines[2] != asked or bool(lines[6])
