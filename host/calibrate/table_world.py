@@ -44,8 +44,8 @@ class MountedBoard(SimulatedVehicle):
     def __init__(self, scenario: Scenario, seed: int) -> None:
         super().__init__(scenario, seed)
         rows = self.motion.rows(np.zeros(1, np.int64))
-        place = (float(rows[0, column]) for column in (LATITUDE, LONGITUDE, HEIGHT))
-        self.table = TurningTable(*place, np.eye(3))
+        latitude, longitude, height = rows[0, [LATITUDE, LONGITUDE, HEIGHT]].tolist()
+        self.table = TurningTable(latitude, longitude, height, np.eye(3))
 
     def imu(self, name: str, mounting: Array, lever_arm: Array, preset: str | None = None) -> ImuWorld:  # type: ignore[override]
         """A sensor on the table."""
@@ -57,10 +57,19 @@ class MountedBoard(SimulatedVehicle):
         """Truth of the table."""
         rows = self.table.looked_at(times_ns)
         yaw, pitch, roll = euler_angles(rows[:, C_NB : C_NB + 9])
-        place = (rows[:, column].copy() for column in (LATITUDE, LONGITUDE, HEIGHT))
         unknown = unknown_bias(len(times_ns))
-        velocity = rows[:, VELOCITY : VELOCITY + 3]
-        return TruthBatch(times_ns, *place, velocity, yaw, pitch, roll, unknown, unknown)
+        return TruthBatch(
+            times_ns,
+            rows[:, LATITUDE].copy(),
+            rows[:, LONGITUDE].copy(),
+            rows[:, HEIGHT].copy(),
+            rows[:, VELOCITY : VELOCITY + 3].copy(),
+            yaw,
+            pitch,
+            roll,
+            unknown,
+            unknown,
+        )
 
 
 class TableWorld(World):

@@ -8,7 +8,7 @@ matrix of the rates, deviation of the compass.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from struct import Struct
 from typing import Final
 
@@ -59,7 +59,7 @@ class Calibration:
             self._sections = {}
             self._nominal()
 
-    def keep(self, found: dict[int, Sequence[float]]) -> bool:
+    def keep(self, found: Mapping[int, Sequence[float]]) -> bool:
         """Take over what a procedure has found, and what `corrections` hold now. False: not in flash."""
         if ACCELEROMETERS in found:
             for stale in (RATES, ALIGNMENT):

@@ -38,7 +38,7 @@ def prompt(name: str, index: int) -> str:
     """At most 21 characters."""
     place = f"{index + 1}/{COUNTS[name]}"
     if name in ("accelerometers", "earth-rate"):
-        x, y, z = DOCUMENT[index]
+        x, y, z = tuple(DOCUMENT[index])
         return f"{place} x {x}, y {y}, z {z}"
     if name == "rates":
         axis, rate = TURNS[index]

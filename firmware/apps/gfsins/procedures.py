@@ -86,6 +86,8 @@ class Procedures:
         self._spend = io.cpu.spend
         self._cost = io.cpu.cost("collect")
         self._rows: list[list[int]] = []
+        self._rest: AtRest | None = None
+        self._turn: Turn | None = None
         self._clear()
 
     # -- the menu's side ---------------------------------------------------------------------------
@@ -171,8 +173,8 @@ class Procedures:
 
     def _clear(self) -> None:
         self._sampling.each_tick = None
-        self._rest: AtRest | None = None
-        self._turn: Turn | None = None
+        self._rest = None
+        self._turn = None
         self._readings = Readings(READINGS)
         self._headings = self._sampling.compass.readings
 

@@ -79,7 +79,9 @@ def _equations(count: int) -> list[Floats]:
 def _solved(axes: Sequence[Floats]) -> list[float] | None:
     result = np.zeros(table.RESULT_SIZE, np.float32)
     solve = entry_point(table.solve_positions)
-    return result.tolist() if solve(*axes, result) and np.all(np.isfinite(result)) else None
+    return (
+        result.tolist() if solve(axes[0], axes[1], axes[2], result) and np.all(np.isfinite(result)) else None
+    )
 
 
 class Accelerometers:
@@ -94,7 +96,7 @@ class Accelerometers:
         """Mean counts of nine, uncorrected."""
         felt = positions.true_force_and_rate(index, self._place.latitude, self._place.gravity)[:3].tolist()
         for q, value in zip(self._axes, values[:AXES], strict=True):
-            self._take(q, *felt, value * COUNT)
+            self._take(q, felt[0], felt[1], felt[2], value * COUNT)
 
     def solve(self) -> Outcome:
         """See `Solution`."""
@@ -154,7 +156,7 @@ class Rates:
         read = a8 + a9 - a2 - a6, a7 + a9 - a3 - a4, a7 + a8 - a1 - a5
         true = self._true(index)
         for q, value in zip(self._axes, read, strict=True):
-            self._take(q, *true, value)
+            self._take(q, true[0], true[1], true[2], value)
 
     def _true(self, index: int) -> Sequence[float]:
         if not self._earth:
