@@ -3,20 +3,24 @@
 Field: the World Magnetic Model of the run's start, bent by the vehicle's iron (`host.sim.vehicle_field`).
 Force: gravity and the vehicle's acceleration, from its true velocity around each instant, ±0.05 s, about
 what the part's own averaging leaves. Both in the chip's axes, with white noise of the part's repeatability:
-0.3° of heading, 0.2° of tilt.
+0.3° of heading, 0.2° of tilt. Or, where a scenario says so, with errors of the angles that come out instead:
+force and field are then those of an attitude that is wrong by them.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from host.sim.earth import radii_and_gravity
+from host.sim.errors.ambient_schema import CompassErrors
 from host.sim.seeding import generator
 from host.sim.truth import TruthBatch
-from host.sim.vehicle_field import VehicleField, attitude_matrices
+from host.sim.vehicle_field import VehicleField, attitude_matrices, axes
 
 Array = NDArray[np.float64]
 
@@ -26,6 +30,31 @@ FIELD_NOISE_T = 1.0e-7
 FORCE_NOISE = 0.034
 """m/s²: 0.2° of tilt."""
 TEMPERATURE_C = 25.0
+
+
+class WrongAngles:
+    """Errors of pitch, roll and heading: white noise and a Gauss-Markov process. Times must rise."""
+
+    def __init__(self, errors: CompassErrors, seed: int, name: str) -> None:
+        self._white = np.radians(axes(errors.noise_deg))
+        self._lasting = np.radians(axes(errors.markov_deg))
+        self._rate = 1e-9 / errors.markov_time_s
+        self._noise = generator(seed, f"{name}.compass.angles")
+        begun = generator(seed, f"{name}.compass.begun").standard_normal(3)
+        self._error = np.radians(axes(errors.initial_deg)) * begun
+        self._time_ns = 0
+
+    def shown(self, truth: TruthBatch) -> TruthBatch:
+        """The attitude that the compass is to show."""
+        drawn = self._noise.standard_normal((len(truth.times_ns), 2, 3))
+        wrong = np.empty((len(drawn), 3))
+        for k, time_ns in enumerate(truth.times_ns.tolist()):
+            decay = math.exp(-self._rate * (time_ns - self._time_ns))
+            self._time_ns = time_ns
+            self._error = decay * self._error + self._lasting * math.sqrt(1.0 - decay * decay) * drawn[k, 0]
+            wrong[k] = self._error + self._white * drawn[k, 1]
+        pitch, roll, yaw = truth.pitch + wrong[:, 0], truth.roll + wrong[:, 1], truth.yaw + wrong[:, 2]
+        return replace(truth, pitch=pitch, roll=roll, yaw=yaw)
 
 
 class FeltCompass:
@@ -38,17 +67,23 @@ class FeltCompass:
         mounting: Array,
         seed: int,
         name: str,
+        errors: CompassErrors | None = None,
     ) -> None:
-        """`mounting` = C_b_s (3, 3): body = C_b_s sensor."""
+        """`mounting` = C_b_s (3, 3): body = C_b_s sensor. `errors` None: the part's noise."""
         self._truth = truth
         self._field = field
         self._c_bs = np.asarray(mounting, dtype=np.float64)
         self._noise = generator(seed, f"{name}.compass.noise")
+        self._wrong = None if errors is None else WrongAngles(errors, seed, name)
 
     def sample(self, times_ns: NDArray[np.int64]) -> Array:
         """Force (3), field (3), temperature at rising times."""
         here = self._truth(times_ns)
-        noise = self._noise.standard_normal((len(times_ns), 6))
+        noise = np.zeros((len(times_ns), 6))
+        if self._wrong is None:
+            noise = self._noise.standard_normal((len(times_ns), 6))
+        else:
+            here = self._wrong.shown(here)
         values = np.empty((len(times_ns), 7))
         values[:, :3] = self._force(times_ns, here) @ self._c_bs + FORCE_NOISE * noise[:, :3]
         values[:, 3:6] = self._field.on_board(here) @ self._c_bs + FIELD_NOISE_T * noise[:, 3:]

@@ -107,7 +107,8 @@ class World:
     def compass(self, name: str, mounting: Array | None = None) -> CompassWorld:
         """The world of the compass `name` at the vehicle's origin; `mounting` as for `imu`."""
         rotation = np.eye(3) if mounting is None else np.asarray(mounting, dtype=np.float64)
-        return FeltCompass(self.truth, self._field(name), rotation, self.seed, name)
+        errors = self.scenario.compass
+        return FeltCompass(self.truth, self._field(name), rotation, self.seed, name, errors)
 
     def ten_dof(
         self,

@@ -83,6 +83,9 @@ class Background:
         if flight.restarts != self._restarts:
             self._restarts = flight.restarts
             self._output.send_text("state not a number: begun again with a sound filter")
+        if flight.is_entered_refused:
+            flight.is_entered_refused = False
+            self._output.send_text("what was entered is not of here: alignment's is taken")
         if flight.realignments != self._realignments:
             self._realignments = flight.realignments
             self._output.send_text("attitude lost, the compass contradicts: aligning again")

@@ -7,6 +7,7 @@ from functools import partial
 from firmware.apps.gfsins.acquisition_news import AcquisitionNews
 from firmware.apps.gfsins.alignment import Alignment
 from firmware.apps.gfsins.coefficients import Coefficients
+from firmware.apps.gfsins.entered import certainty, entered_beginning
 from firmware.apps.gfsins.equivalent_feed import EquivalentFeed
 from firmware.apps.gfsins.navigation import Navigation
 from firmware.apps.gfsins.reception import Reception
@@ -14,6 +15,7 @@ from firmware.apps.gfsins.sensor_flags import SensorFlags
 from firmware.apps.gfsins.settings import Settings
 from firmware.apps.gnss_ins.output import Output
 from firmware.nav.gyro_free import packet as pk
+from firmware.nav.gyro_free.filters import Beginning
 from firmware.nav.gyro_free.packet_door import FUSED
 from hal.board_io import BoardIo
 
@@ -36,6 +38,8 @@ class Flight:
         self.is_aligned = False
         self.beginning: tuple[float, float, float] | None = None
         """Yaw, pitch, roll to be told to the FPGA."""
+        self.is_entered_refused = False
+        """Whether what an operator entered is not of here."""
         self.oldest_ns = 0
         """Worst age of a tick when its solution was there."""
         self.ages_ns = 0
@@ -65,6 +69,7 @@ class Flight:
         self._uses_registers = not equivalent
         self._output_line = io.interrupts.attach("output", output.send)
         self._epoch_line = io.interrupts.attach("epoch_output", output.send_epoch)
+        self._entered = settings.entered
         self._ticks_per_output = settings.ticks_per_output
         self._ticks = 0
 
@@ -112,15 +117,24 @@ class Flight:
         self.is_aligned = False
 
     def _align(self) -> None:
-        reception, navigation = self._reception, self._navigation
+        reception = self._reception
         if not self.coefficients.take(reception.words):
             return
         begun = self.alignment.take(reception.words, reception.tick_ns)
         self._spend(self._align_cost)
         if begun is not None:
-            navigation.start(begun)
+            begun = self._start(begun)
             self.beginning = begun.angles
             self.is_aligned = True
+
+    def _start(self, found: Beginning) -> Beginning:
+        """With what was entered, if that is of here; once."""
+        entered, self._entered = self._entered, {}
+        known = entered_beginning(found, entered)
+        self.is_entered_refused = known is None
+        begun = found if known is None else known
+        self._navigation.start(begun, certainty(entered) if known is not None else None)
+        return begun
 
     def _note_age(self) -> None:
         age_ns = self._clock.now_ns() - self._reception.tick_ns

@@ -57,7 +57,7 @@ class Navigation(NavigationState):
             known = int(self.integers[record.FLAGS]) if self.is_navigating else 0
             self.integers[record.FLAGS] = self.flags_of(known)
 
-    def start(self, start: Beginning, certainty: Mapping[str, float] | None = None) -> None:
+    def start(self, start: Beginning, certainty: Mapping[str, Any] | None = None) -> None:
         """Navigate from there; `certainty`: initial 1 σ that differ from those of the configuration."""
         begin(self.federation, replace(self.config, **(certainty or {})), start)
 

@@ -1,4 +1,4 @@
-"""What may be said about the errors of a magnetometer and a barometer.
+"""What may be said about the errors of a magnetometer, a compass and a barometer.
 
 Every value defaults to no error. Fixed parts are known, the σ of `…_error…` is drawn once a run, drift is a
 first-order Gauss–Markov process.
@@ -34,6 +34,18 @@ class MagnetometerErrors(Table):
         if max(abs(x) for row in value for x in row) > LARGEST_SOFT_IRON:
             raise ValueError(f"must lie in -{LARGEST_SOFT_IRON:g} … {LARGEST_SOFT_IRON:g}")
         return value
+
+
+class CompassErrors(Table):
+    """Of the angles that a compass shows: pitch, roll, heading. Beside them there is its resolution only."""
+
+    noise_deg: Annotated[PerAxis, within(90, 0)] = Field(default=0.0, examples=[[0.5, 0.5, 1.0]])
+    """1 σ of a reading."""
+    markov_deg: Annotated[PerAxis, within(90, 0)] = Field(default=0.0, examples=[[0.03, 0.04, 0.1]])
+    """1 σ of an error that lasts …"""
+    markov_time_s: Positive = Field(default=300.0, ge=1.0, le=1e7, examples=[300.0])
+    initial_deg: Annotated[PerAxis, within(90, 0)] = Field(default=0.0, examples=[[0.08, 0.08, 0.1]])
+    """… and of what it begins with."""
 
 
 class BarometerErrors(Table):

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, BeforeValidator, Field, ValidationError, field_validator, model_validator
 
-from host.sim.errors.ambient_schema import BarometerErrors, MagnetometerErrors
+from host.sim.errors.ambient_schema import BarometerErrors, CompassErrors, MagnetometerErrors
 from host.sim.errors.presets import load_preset
 from host.sim.errors.schema import ImuErrors
 from host.sim.gnss.settings import GnssSettings
@@ -271,6 +271,8 @@ class Scenario(Table):
     imu: ImuErrors = ImuErrors()
     gnss: GnssSettings = GnssSettings()
     magnetometer: MagnetometerErrors = MagnetometerErrors()
+    compass: CompassErrors | None = Field(default=None, examples=[{"noise_deg": [0.5, 0.5, 1.0]}])
+    """None: the noise of the part."""
     barometer: BarometerErrors = BarometerErrors()
     outage: list[OutageWindow] = Field(default=[], examples=[[{"start_s": 300.0, "duration_s": 60.0}]])
     tunnel: list[Tunnel] = Field(
