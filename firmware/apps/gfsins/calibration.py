@@ -32,6 +32,7 @@ Alignment: yaw, pitch, roll (rad), six offsets (m/s²)."""
 WORD: Final = 0.5e-3 * 9.80665
 """m/s² of a word of the packet."""
 IDENTITY: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+SIGNIFICANT: Final = 3.0
 WHOLE: Final = Struct(f">{2 * AXES}i")
 
 
@@ -99,11 +100,19 @@ class Calibration:
         if self._store is None or not self._sections:
             return None
         force = self.values(ACCELEROMETERS)[FORCE_PLACE:] or IDENTITY
-        rates = self.values(RATES)[:9] or IDENTITY
-        values = (*self._remainders(), *force, *rates, *self.deviation)
+        values = (*self.offset_remainders(), *force, *self.rate_matrix(), *self.deviation)
         return coefficients.packet_words(values, self._store.generation)
 
-    def _remainders(self) -> list[float]:
+    def rate_matrix(self) -> list[float]:
+        """That of the rates, row by row; elements within SIGNIFICANT σ of the nominal ones stay nominal, since
+        the accelerometers' own calibration tells them better."""
+        found, matrix = self.values(RATES), list(IDENTITY)
+        for k, sigma in enumerate(found[12:21]):
+            if abs(found[k] - IDENTITY[k]) > SIGNIFICANT * sigma:
+                matrix[k] = found[k]
+        return matrix
+
+    def offset_remainders(self) -> list[float]:
         """What the whole words leave of the offsets, m/s²; none where somebody has changed them by hand."""
         found = self.values(ACCELEROMETERS)
         left = [0.0] * AXES
