@@ -3,7 +3,13 @@ PYTHON ?= $(shell for p in python3.11 python3.12 python3.13 python3; do \
 	$$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
 VENV   := .venv
 BIN    := $(VENV)/bin
+TOOLS  := $(VENV)/.translator
 STAMP  := $(VENV)/.installed
+
+# Byte code is kept whatever the environment says: the tests begin hundreds of processes with the same imports.
+unexport PYTHONDONTWRITEBYTECODE
+
+PIP_INSTALL = $(BIN)/pip install --quiet --disable-pip-version-check --no-compile
 
 STEPS  := 10000
 PIL_PARTS := pil-gate pil-tests pil-full-rate pil-thesis pil-float32 pil-fixed pil-gfsins pil-alone
@@ -18,22 +24,31 @@ help:  ## show this list
 
 setup: $(STAMP) engine  ## make .venv with the command navtwin in it
 
-engine: $(STAMP)
+engine: $(TOOLS)
 	@$(BIN)/python -m hal.engine_build
 
-$(STAMP): pyproject.toml
+# What translates the engine comes first: `make -j 2 setup` translates it while all the rest is fetched.
+# (numba is there for what it says about the version of numpy.)
+TRANSLATOR := mypy|setuptools|numpy|numba|types-greenlet
+$(TOOLS): pyproject.toml
 	@test -n "$(PYTHON)" || { echo "navtwin needs Python 3.11 or newer; give one: make PYTHON=/path/to/python3"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile --editable '.[dev]'
+	grep -oE '"($(TRANSLATOR))[<>=][^"]*"' pyproject.toml | sort -u | xargs $(PIP_INSTALL)
+	@touch $(TOOLS)
+
+$(STAMP): $(TOOLS)
+	$(PIP_INSTALL) --editable '.[dev]'
 	$(BIN)/python -m compileall -q -j 0 boards firmware hal host
 	@touch $(STAMP)
 
-run: setup  ## the main job: the car_mems board on a simulated drive through town
+run:  ## the main job: the car_mems board on a simulated drive through town
+	@$(MAKE) --no-print-directory -j 2 setup
 	$(BIN)/navtwin run car_mems --scenario town
 
-test: lint arrows  ## lint, types, import arrows and tests
-	@$(MAKE) --no-print-directory -j 2 types engine
-	@$(MAKE) --no-print-directory unit
+test:  ## lint, types, import arrows and tests
+	@$(MAKE) --no-print-directory -j 2 setup
+	@$(MAKE) --no-print-directory lint arrows
+	@$(MAKE) --no-print-directory -j 2 types unit
 
 lint: $(STAMP)
 	$(BIN)/ruff check .
