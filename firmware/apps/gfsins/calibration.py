@@ -104,7 +104,7 @@ class Calibration:
         return coefficients.packet_words(values, self._store.generation)
 
     def rate_matrix(self) -> list[float]:
-        """That of the rates, row by row; elements within SIGNIFICANT σ of the nominal ones stay nominal, since
+        """Of the rates, row by row; elements within SIGNIFICANT σ of the nominal ones stay nominal, since
         the accelerometers' own calibration tells them better."""
         found, matrix = self.values(RATES), list(IDENTITY)
         for k, sigma in enumerate(found[12:21]):
