@@ -14,6 +14,7 @@ from host.cli.attach_command import app as attach_app
 from host.cli.attitude_command import attitude_command
 from host.cli.baseline_command import app as baseline_app
 from host.cli.build_command import build_command
+from host.cli.calibrate_command import calibrate_command
 from host.cli.campaign_command import Baseline, Tolerance, campaign_command
 from host.cli.capture_command import app as capture_app
 from host.cli.compare_command import compare_command
@@ -168,6 +169,7 @@ app.command("diff")(diff_command)
 app.command("waves")(waves_command)
 app.command("compare")(compare_command)
 app.add_typer(table_app, name="table")
+app.command("calibrate")(calibrate_command)
 app.command("serve", epilog=SERVE_EPILOG)(serve_command)
 app.command("monitor")(monitor_command)
 app.command("simulate")(simulate_command)
