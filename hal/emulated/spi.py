@@ -14,6 +14,9 @@ of them that starts a transfer on the same bus waits until the wire is free.
 
 from __future__ import annotations
 
+import struct
+from abc import ABC, abstractmethod
+
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.spi_wire import Bytes, SpiObserver, SpiSlave, SpiTiming
 
@@ -41,12 +44,12 @@ class EmulatedSpiBus:
     @property
     def transactions(self) -> int:
         """How many have begun."""
-        return sum(count for device in self._devices for _duration, count in device.usage.values())
+        return sum(use.count for device in self._devices for use in device.uses())
 
     @property
     def busy_ns(self) -> int:
         """What they take together."""
-        return sum(duration * count for device in self._devices for duration, count in device.usage.values())
+        return sum(use.count * use.duration_ns for device in self._devices for use in device.uses())
 
     def device(
         self, slave: SpiSlave, name: str = "device", timing: SpiTiming | None = None
@@ -69,6 +72,28 @@ class EmulatedSpiBus:
         self.free_at = self.cpu.time.now
 
 
+class SpiChip(ABC):
+    """A slave whose model is translated with the engine: it is called without a detour."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def transaction(self, mosi: Bytes, start_ns: int, end_ns: int) -> Bytes:
+        """See `SpiSlave`."""
+
+
+class SpiUse:
+    """Transactions of one length: how long one takes, how many there were, and what puts the bytes that came
+    into the buffer (which takes a third of the time of an assignment to its slice)."""
+
+    __slots__ = ("count", "duration_ns", "put")
+
+    def __init__(self, length: int, timing: SpiTiming) -> None:
+        self.duration_ns = timing.duration_ns(length)
+        self.count = 0
+        self.put = struct.Struct(f"{length}s").pack_into
+
+
 class EmulatedSpiDevice:
     """One chip select. Implements `hal.spi.SpiDevice`.
 
@@ -76,28 +101,32 @@ class EmulatedSpiDevice:
     """
 
     __slots__ = (
+        "_chip",
         "_cpu",
         "_high_ns",
         "_ready_at",
+        "_slave",
         "_time",
+        "_uses",
         "bus",
         "name",
         "observer",
-        "slave",
         "timing",
-        "usage",
     )
 
     def __init__(self, bus: EmulatedSpiBus, slave: SpiSlave, name: str, timing: SpiTiming) -> None:
         self.bus = bus
         self.timing = timing
         self.name = name
+        self._slave: SpiSlave = slave
+        self._chip: SpiChip | None = None
+        """The slave, if it is one of the engine's."""
         self.slave = slave
         self.observer: SpiObserver | None = None
         self._cpu = bus.cpu
         self._time = bus.cpu.time
-        self.usage: dict[int, list[int]] = {}
-        """By length in bytes: how long a transaction takes (ns), and how many there were."""
+        self._uses: list[SpiUse | None] = []
+        """By length in bytes."""
         self._high_ns = timing.high_ns
         self._ready_at = 0
 
@@ -111,13 +140,16 @@ class EmulatedSpiDevice:
         if self.bus.at_work or start < self._ready_at:
             start = self._wait_for_wire()
         length = len(buffer)
-        try:
-            used = self.usage[length]
-        except KeyError:
-            used = self.usage[length] = [self.timing.duration_ns(length), 0]
-        used[1] += 1
-        end = start + used[0]
-        miso = self.slave.transaction(buffer, start, end)
+        use = self._uses[length] if length < len(self._uses) else None
+        if use is None:
+            use = self._first_of(length)
+        use.count += 1
+        end = start + use.duration_ns
+        chip = self._chip
+        if chip is not None:
+            miso = chip.transaction(buffer, start, end)
+        else:
+            miso = self._slave.transaction(buffer, start, end)
         if len(miso) != length:
             raise ValueError(f"slave {self.name!r} answered {len(miso)} bytes to a transaction of {length}")
         observer = self.observer
@@ -129,7 +161,31 @@ class EmulatedSpiDevice:
                 self._ready_at = end + self._high_ns
         else:
             self._hold_wire(end)
-        buffer[:] = miso
+        try:
+            use.put(buffer, 0, miso)
+        except struct.error:  # other bytes than `Bytes`
+            buffer[:] = miso
+
+    @property
+    def slave(self) -> SpiSlave:
+        """The bus face behind this chip select."""
+        return self._slave
+
+    @slave.setter
+    def slave(self, slave: SpiSlave) -> None:
+        self._slave = slave
+        self._chip = slave if isinstance(slave, SpiChip) else None
+
+    def uses(self) -> list[SpiUse]:
+        """Of all lengths that there were."""
+        return [use for use in self._uses if use is not None]
+
+    def _first_of(self, length: int) -> SpiUse:
+        """The first transaction of a length. Raises ValueError for half words."""
+        use = SpiUse(length, self.timing)
+        self._uses += [None] * (length + 1 - len(self._uses))
+        self._uses[length] = use
+        return use
 
     def _wait_for_wire(self) -> int:
         """Let time pass until the bus is free and chip select was high for long enough; returns now."""

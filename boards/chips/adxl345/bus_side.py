@@ -6,7 +6,7 @@ set. What breaks a rule is served as if it had not, and reported.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from typing import ClassVar
 
 from boards.chips.adxl345.core import Core
@@ -28,6 +28,7 @@ from boards.chips.adxl345.register_map import (
 from boards.chips.adxl345.settings import TICK_RATE_HZ, rate_period
 from boards.chips.registers import AccessLog, AccessReport, ReportKind
 from boards.chips.world import ImuWorld
+from hal.emulated.spi import SpiChip
 from hal.emulated.virtual_time import VirtualTime
 
 FASTEST_BYTE_NS = 1_600
@@ -47,7 +48,7 @@ _CLOCK_MARGIN = 0.9
 """A byte's share of the transfer also holds set-up, hold and stalls."""
 
 
-class BusSide(ABC):
+class BusSide(SpiChip):
     """The part of the chip that a bus and a supply see; pins and events are `Adxl345`'s."""
 
     feels: ClassVar[str] = "imu"

@@ -7,7 +7,7 @@ bit 7 = read, bits 6 … 0 the register, which then counts up.
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
+from abc import abstractmethod
 from typing import ClassVar
 
 from boards.chips.bmi160.core import Core
@@ -17,6 +17,7 @@ from boards.chips.bmi160.power import Sensor
 from boards.chips.bmi160.register_map import FIFO_CONFIG_1, FIFO_DATA, IF_CONF, NV_CONF
 from boards.chips.registers import AccessLog, AccessReport, ReportKind
 from boards.chips.world import ImuWorld
+from hal.emulated.spi import SpiChip
 from hal.emulated.virtual_time import VirtualTime
 
 POWER_ON_NS = 10_000_000
@@ -34,7 +35,7 @@ _UNDRIVEN = 0xFF
 """What the bus shows while the chip is not there."""
 
 
-class BusSide(ABC):
+class BusSide(SpiChip):
     """The part of the chip that a bus and a supply see; pins and events are `Bmi160`'s."""
 
     feels: ClassVar[str] = "imu"
