@@ -1,9 +1,10 @@
 """Whether seven accelerometers on one rigid body agree: which of them is turned, or has run away.
 
 All sit alike, so all feel the same force but for what turning makes at the end of an arm (ω² l: 0.06 g at
-90°/s, 0.25 m). Ten times a second the newest samples go into running means. A chip of which an axis is further
-from the median of all than offsets and sensitivities allow is at odds with the others once that has lasted a
-second, and no longer after another second of agreement. When more than two are far off, it is the motion.
+90°/s, 0.25 m). Ten times a second the newest samples go into running means. A chip of which an axis is
+further from the median of all than offsets and sensitivities allow is at odds with the others once that has
+lasted a second, and no longer after another second of agreement. When more than two are far off, it is the
+motion.
 """
 
 from __future__ import annotations

@@ -9,6 +9,7 @@ from firmware.apps.gfsins.alignment import Alignment
 from firmware.apps.gfsins.coefficients import Coefficients
 from firmware.apps.gfsins.entered import certainty, entered_beginning
 from firmware.apps.gfsins.equivalent_feed import EquivalentFeed
+from firmware.apps.gfsins.lost_attitude import LostAttitude
 from firmware.apps.gfsins.navigation import Navigation
 from firmware.apps.gfsins.reception import Reception
 from firmware.apps.gfsins.sensor_flags import SensorFlags
@@ -67,6 +68,7 @@ class Flight:
         self._new_alignment = partial(Alignment, navigation.federation, needed_ns, not equivalent)
         self.alignment = self._new_alignment()
         self._uses_registers = not equivalent
+        self._lost = LostAttitude(navigation.federation)
         self._output_line = io.interrupts.attach("output", output.send)
         self._epoch_line = io.interrupts.attach("epoch_output", output.send_epoch)
         self._entered = settings.entered
@@ -94,7 +96,7 @@ class Flight:
         step, compass, gps, fusion = self._costs
         if flags & pk.HAS_COMPASS:
             step += compass
-            if self._uses_registers and not words[pk.FAULTS] and navigation.looks_lost():
+            if self._uses_registers and not words[pk.FAULTS] and self._lost.look():
                 self._align_again()
                 return
         if flags & pk.HAS_GPS:

@@ -28,9 +28,6 @@ from firmware.nav.gyro_free.filters import (
 )
 from firmware.nav.gyro_free.packet_door import PacketDoor
 
-WINDOW, MANY, BAD_WINDOWS = 50, 8, 4
-"""Readings of the compass; so many refused are no chance; windows of this kind in a row."""
-LOST_NS = 2_000_000_000
 POSITION_NOISE, HEIGHT_NOISE, VELOCITY_NOISE = 10.0, 10.0, 0.1
 
 
@@ -46,7 +43,6 @@ class Navigation(NavigationState):
         self.door = PacketDoor(self.federation)
         self.flags_of: Callable[[int], int] | None = None
         """Flags of a solution from those of the master, which has no measurements of its own."""
-        self._readings = self._refused = self._bad_windows = 0
         self.samples_missed = 0
         self.samples_repeated = 0
 
@@ -63,24 +59,9 @@ class Navigation(NavigationState):
 
     def forget(self) -> None:
         """Begin anew, as after power-on."""
-        self._readings = self._refused = self._bad_windows = 0
         held, fresh = self.federation, new_federation(self.config)
         for old, new in zip((held.g, held.n, *held.all), (fresh.g, fresh.n, *fresh.all), strict=True):
             old[:] = new
-
-    def looks_lost(self) -> bool:
-        """Asked at each reading of the compass: whether attitude has gone for good, as it does when the rate
-        was wrong for a while. Many readings of a compass that works have been refused in BAD_WINDOWS windows
-        in a row, or no sample was a rate that a vehicle can have for LOST_NS."""
-        n = self.federation.n
-        self._readings += 1
-        if self._readings >= WINDOW:
-            refused, repeats = int(n[gl.REFUSED_MEASUREMENTS]), n[gl.REPEATS] >= n[gl.LIMIT_REPEATS]
-            bad = refused - self._refused >= MANY and not repeats
-            self._bad_windows = self._bad_windows + 1 if bad else 0
-            self._refused, self._readings = refused, 0
-        unused_ns = int(self.i[layout.TIME] - self.i[layout.GOOD_SAMPLE_TIME])
-        return self._bad_windows >= BAD_WINDOWS or unused_ns > LOST_NS
 
     @property
     def has_state(self) -> bool:
