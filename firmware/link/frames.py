@@ -38,6 +38,8 @@ ATTITUDE: Final = 0x0A
 """A solution in integers alone, of boards that compute attitude first of all."""
 SENSOR: Final = 0x0B
 """The health of a sensor whose bursts tell it."""
+FILTER: Final = 0x0C
+"""What one of several filters side by side takes for the state."""
 
 NO_DATE: Final = 0xFFFF
 NO_TIME_OF_DAY: Final = 0xFFFF_FFFF
@@ -53,6 +55,7 @@ PAYLOADS: Final = {
     GNSS: Struct("<QIHHqqiiIIiiiBHII"),
     ATTITUDE: Struct("<QBHHqqq12i"),
     SENSOR: Struct("<QHHhIIHHHHB23I"),
+    FILTER: Struct("<QBBqq16f"),
 }
 """Payloads of fixed length. TEXT is UTF-8; TASKS and SATELLITES are a head and rows."""
 

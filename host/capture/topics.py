@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 
-from host.record.tables import BIAS, GNSS, INNOVATION, SENSOR, SOLUTION, Table
+from host.record.tables import BIAS, FILTER, GNSS, INNOVATION, SENSOR, SOLUTION, Table
 
 TABLES: dict[str, tuple[str, Table]] = {
     "/solution": ("navtwin.Solution", SOLUTION),
@@ -13,6 +13,7 @@ TABLES: dict[str, tuple[str, Table]] = {
     "/innovation": ("navtwin.Innovation", INNOVATION),
     "/bias": ("navtwin.Bias", BIAS),
     "/sensor": ("navtwin.Sensor", SENSOR),
+    "/filter": ("navtwin.Filter", FILTER),
 }
 IMPORT_FORMAT = "navtwin-import-1"
 """Of the manifest of a capture that was imported: no run stands behind it."""

@@ -22,6 +22,7 @@ from firmware.link.frames import (
     BIAS,
     COVARIANCE,
     CRC_LENGTH,
+    FILTER,
     GNSS,
     HEADER_LENGTH,
     INNOVATION,
@@ -44,6 +45,7 @@ from host.link.attitude import attitude_as_solution
 from host.link.messages import (
     Bias,
     Covariance,
+    FilterState,
     Gnss,
     Innovation,
     Message,
@@ -178,6 +180,7 @@ _FIXED: Final[dict[int, Callable[[tuple[float, ...]], Message]]] = {
     GNSS: Gnss._make,
     ATTITUDE: attitude_as_solution,
     SENSOR: Sensor._make,
+    FILTER: FilterState._make,
 }
 
 

@@ -155,6 +155,34 @@ class Gnss(NamedTuple):
     v_acc_mm: int
 
 
+class FilterState(NamedTuple):
+    """What one of several filters side by side takes for the state, and how sure it is (1 σ)."""
+
+    time_us: int
+    filter: int
+    """0, 1, … in the board's order."""
+    status: int
+    """0: trusted; 1: isolated."""
+    lat_nanodeg: int
+    lon_nanodeg: int
+    height: float
+    v_north: float
+    v_east: float
+    v_down: float
+    yaw: float
+    pitch: float
+    roll: float
+    sigma_north: float
+    sigma_east: float
+    sigma_down: float
+    sigma_v_north: float
+    sigma_v_east: float
+    sigma_v_down: float
+    sigma_psi_n: float
+    sigma_psi_e: float
+    sigma_psi_d: float
+
+
 class Sensor(NamedTuple):
     """How the inertial sensor is, and how often which trouble was noticed since the board's reset."""
 
@@ -232,6 +260,7 @@ Message = (
     | Status
     | Gnss
     | Sensor
+    | FilterState
     | Tasks
     | Satellites
     | RawInput

@@ -16,7 +16,7 @@ from host.record.run_data import (
     TaskTrace,
 )
 from host.record.series import DecimatedSeries
-from host.record.tables import BIAS, GNSS, INNOVATION, SOLUTION
+from host.record.tables import BIAS, FILTER, GNSS, INNOVATION, SOLUTION
 from host.score.errors import Place, position_error_ned
 
 Floats = NDArray[np.float64]
@@ -63,6 +63,13 @@ class Collector:
         ages = shown[:, AGES]
         ages[ages == UNKNOWN_AGE] = np.nan
         self.data.sensor.add(shown)
+
+    def add_filters(self, rows: Floats) -> None:
+        """Rows of the table FILTER, of any filter."""
+        for which in np.unique(rows[:, 1]).astype(int):
+            while len(self.data.filters) <= which:
+                self.data.filters.append(DecimatedSeries(FILTER.columns, SLOW_LIMIT))
+            self.data.filters[which].add(rows[rows[:, 1] == which])
 
     def add_trace(self, trace: TaskTrace) -> None:
         """A recorded window of one processor."""

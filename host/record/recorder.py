@@ -33,10 +33,12 @@ from host.record.screens import FILE_SCALE, Screen, file_name, png
 from host.record.tables import (
     SOLUTION,
     bias_rows,
+    filter_rows,
     gnss_rows,
     innovation_rows,
     solution_rows,
 )
+from host.score.errors import solution_errors
 from host.score.expectations import Limit, flat_figures, judge, with_solution_demanded
 from host.score.rules import ScoringRules
 from host.score.scorer import Score, Scorer
@@ -141,6 +143,13 @@ class Recorder:
         self._collector.add_sensor(rows)
         if self.capture is not None:
             self.capture.rows("/sensor", rows)
+
+    def add_filters(self, which: Floats, status: Floats, solution: SolutionBatch, truth: MotionBatch) -> None:
+        """What filters side by side take for the state, with the truth at the same instants."""
+        rows = filter_rows(which, status, solution, solution_errors(solution, truth))
+        self._collector.add_filters(rows)
+        if self.capture is not None:
+            self.capture.rows("/filter", rows)
 
     def so_far(self, duration_s: float) -> Score:
         """The figures of what has been scored by now; the latest seconds still wait."""

@@ -144,6 +144,8 @@ class RunData:
     status: DecimatedSeries = field(default_factory=lambda: DecimatedSeries(STATUS_COLUMNS, STATUS_LIMIT))
     sensor: DecimatedSeries = field(default_factory=lambda: DecimatedSeries(SENSOR_COLUMNS, STATUS_LIMIT))
     """Rows of `host.record.tables.SENSOR`, ages that are not known NaN."""
+    filters: list[DecimatedSeries] = field(default_factory=list)
+    """Of filters side by side, in the board's order: rows of `host.record.tables.FILTER`."""
     can: list[CanCourse] = field(default_factory=list)
     screens: list[Screen] = field(default_factory=list)
     """What an operator saw on the board's display."""

@@ -86,6 +86,37 @@ SENSOR = _table((6, "t_s"), (0, " ".join(Sensor._fields[1:])))
 """How the inertial sensor is, as a board's SENSOR frames tell it."""
 
 
+FILTER = _table(
+    (6, "t_s"),
+    (0, "filter status"),
+    (3, "error_north_m error_east_m error_down_m"),
+    (4, "error_v_north_mps error_v_east_mps error_v_down_mps error_yaw_deg error_pitch_deg error_roll_deg"),
+    (3, "sigma_north_m sigma_east_m sigma_down_m"),
+    (
+        4,
+        "sigma_v_north_mps sigma_v_east_mps sigma_v_down_mps sigma_psi_n_deg sigma_psi_e_deg sigma_psi_d_deg",
+    ),
+)
+"""What filters side by side take for the state, less the truth; `filter`: 0, 1, … in the board's order."""
+
+
+def filter_rows(which: Floats, status: Floats, solution: SolutionBatch, errors: Floats) -> Floats:
+    """Rows of FILTER. `errors`: (n, 12) of `host.score.errors`."""
+    rows: Floats = np.column_stack(
+        (
+            solution.t,
+            which,
+            status,
+            errors[:, 0:6],
+            errors[:, 11:8:-1] * DEGREES,
+            solution.sigma_position,
+            solution.sigma_velocity,
+            solution.sigma_attitude * DEGREES,
+        )
+    )
+    return rows
+
+
 def solution_rows(solution: SolutionBatch, errors: Floats) -> Floats:
     """Rows of SOLUTION. `errors`: (n, 12) of `host.score.errors`; NaN where there is no truth."""
     rows: Floats = np.column_stack(

@@ -15,10 +15,11 @@ from host.capture.row_messages import RowMessage, RowMessages, event_message
 from host.capture.topics import EVENTS
 from host.record.recorder import Thinning
 from host.record.run_data import BiasEstimate, GnssBatch, Innovation, MotionBatch, SolutionBatch
-from host.record.tables import bias_rows, gnss_rows, innovation_rows, solution_rows
+from host.record.tables import bias_rows, filter_rows, gnss_rows, innovation_rows, solution_rows
 from host.recovery.recorded_run import RecordedRun
 from host.recovery.tail import Tail
 from host.run.intake import LinkIntake
+from host.score.errors import solution_errors
 from host.score.scorer import Scorer
 
 Floats = NDArray[np.float64]
@@ -92,6 +93,10 @@ class MissingRows:
     def add_sensor(self, rows: Floats) -> None:
         """The health of the inertial sensor."""
         self._rows("/sensor", rows)
+
+    def add_filters(self, which: Floats, status: Floats, solution: SolutionBatch, truth: MotionBatch) -> None:
+        """What filters side by side take for the state."""
+        self._rows("/filter", filter_rows(which, status, solution, solution_errors(solution, truth)))
 
     def add_event(self, t_ns: int, source: str, text: str) -> None:
         """Something that the board said."""

@@ -14,6 +14,7 @@ import numpy as np
 from host.record.result import RunResult
 from host.record.run_data import RunData
 from host.report.charts import Chart, charts
+from host.report.filter_charts import FILTER_SERIES, filter_charts
 from host.report.html import card, chart_block, chart_scripts, document, screen_blocks, table
 from host.report.numbers import number, percent
 from host.report.summary import sections, verdict
@@ -22,7 +23,7 @@ from host.report.timeline import timeline
 
 def render(result: RunResult, manifest: Mapping[str, Any]) -> str:
     """The whole page. `result.data` holds the series; without it the page has tables only."""
-    figures = charts(result.data) if result.data is not None else []
+    figures = [*charts(result.data), *filter_charts(result.data)] if result.data is not None else []
     timelines = [timeline(trace) for trace in result.data.traces] if result.data is not None else []
     tables = {section.title: table(section) for section in sections(result)}
     title = f"{result.board} · {result.scenario} · {result.profile} · seed {result.seed}"
@@ -128,5 +129,7 @@ def _column(data: RunData, name: str) -> np.ndarray[Any, Any]:
         for start, duration in data.outages:
             inside |= (t >= start) & (t <= start + duration)
         return np.where(inside, data.solution.column(column.removeprefix("outage_")), np.nan)
+    if series.startswith(FILTER_SERIES):
+        return data.filters[int(series.removeprefix(FILTER_SERIES))].column(column)
     found: np.ndarray[Any, Any] = getattr(data, series).column(column)
     return found

@@ -16,7 +16,14 @@ from firmware.drivers import gnss_epoch as gnss
 from firmware.link import frames
 from host.link.attitude import SOLUTIONS, solution_rows
 from host.link.decoder import LinkDecoder
-from host.record.run_data import BiasEstimate, GnssBatch, Innovation, MotionBatch, SolutionBatch
+from host.record.run_data import (
+    NAVIGATING,
+    BiasEstimate,
+    GnssBatch,
+    Innovation,
+    MotionBatch,
+    SolutionBatch,
+)
 from host.run.arrivals import Arrivals, Piece
 from host.run.surroundings import Installation
 from host.run.time_tags import TimeTags
@@ -71,6 +78,10 @@ class Takes(Protocol):
 
     def add_sensor(self, rows: Floats) -> None:
         """The health of its inertial sensor."""
+        ...
+
+    def add_filters(self, which: Floats, status: Floats, solution: SolutionBatch, truth: MotionBatch) -> None:
+        """What filters side by side take for the state."""
         ...
 
 
@@ -149,6 +160,7 @@ class LinkIntake:
         self._take_biases(_rows(frames.BIAS, payloads))
         self._take_status(_rows(frames.STATUS, payloads))
         self._take_sensor(_rows(frames.SENSOR, payloads))
+        self._take_filters(_rows(frames.FILTER, payloads))
         for kind in SOLUTIONS:
             if payloads[kind]:
                 self._take_solutions(solution_rows(kind, payloads[kind]))
@@ -231,6 +243,32 @@ class LinkIntake:
         if rows:
             told = np.array([[self._seconds(row[0]), *row[1:]] for row in rows], dtype=np.float64)
             self._recorder.add_sensor(told)
+
+    def _take_filters(self, rows: list[tuple[float, ...]]) -> None:
+        """`which` and `status` beside a solution, each row at a time of its own."""
+        if not rows:
+            return
+        table = np.array(rows, dtype=np.float64)
+        times_ns = self._times_ns([int(row[0]) for row in rows])
+        solution = SolutionBatch(
+            t=times_ns / 1e9,
+            latitude=table[:, 3] * NANODEG,
+            longitude=table[:, 4] * NANODEG,
+            height=table[:, 5],
+            velocity_ned=table[:, 6:9],
+            yaw=table[:, 9],
+            pitch=table[:, 10],
+            roll=table[:, 11],
+            sigma_position=table[:, 12:15],
+            sigma_velocity=table[:, 15:18],
+            sigma_attitude=table[:, 18:21],
+            mode=np.full(len(rows), NAVIGATING),
+            flags=np.zeros(len(rows), np.int64),
+        )
+        instants, places = np.unique(times_ns, return_inverse=True)
+        truth = motion(self._world.antenna_truth(instants, self._installation.imu_lever_arm))
+        there = MotionBatch(*(getattr(truth, name)[places] for name in MotionBatch.__slots__))
+        self._recorder.add_filters(table[:, 1], table[:, 2], solution, there)
 
     def _body_biases(self, times_ns: NDArray[np.int64]) -> Floats:
         """True gyro and accelerometer biases in body axes, (n, 6); NaN where nobody knows them."""

@@ -29,7 +29,7 @@ def disturbed() -> Driven:
 
 def test_chapter_5_is_held() -> None:
     driven = clean()
-    assert driven.said("aligned: heading") == pytest.approx(10.3, abs=0.5)
+    assert driven.said("aligned: heading 30.3, 0.2, 0.2") == pytest.approx(3.4, abs=0.5)  # as entered
     assert driven.worst("error_yaw_deg", 30.0, 50.0) < 0.5
     assert driven.worst("error_roll_deg", 30.0, 50.0) < 0.3
     assert driven.worst("error_v_north_mps", 30.0, 50.0) < 0.3
@@ -110,7 +110,8 @@ def test_a_reset_of_the_fpga_is_told_and_navigation_goes_on() -> None:
 
 def test_a_reset_of_the_dsp_begins_anew_while_the_fpga_runs() -> None:
     driven = disturbed()
-    assert 70.0 < driven.said("aligned: heading", 62.0) < 76.0
+    assert 64.0 < driven.said("aligned: heading", 62.0) < 70.0
+    assert driven.said("what was entered is not of here", 62.0) < 70.0
     assert driven.worst("error_north_m", 77.0, 80.0) < 25.0
     resets = {cpu.name: cpu.resets for cpu in driven.result.cpu}
     assert resets == {"fpga": 1, "dsp": 1}

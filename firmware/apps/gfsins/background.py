@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from firmware.apps.gfsins.acquisition_news import AcquisitionNews
+from firmware.apps.gfsins.filter_frames import FilterFrames
 from firmware.apps.gfsins.flight import Flight
 from firmware.apps.gfsins.solver import Solver
 from firmware.apps.gfsins.words import Words
@@ -30,6 +31,7 @@ class Background:
         words: Words,
         flight: Flight,
         solver: Solver,
+        filters: FilterFrames,
     ) -> None:
         self._io = io
         self._news = news
@@ -38,6 +40,7 @@ class Background:
         self._words = words
         self._flight = flight
         self._solver = solver
+        self._filters = filters
         self._told_calibration = False
         self._cost = io.cpu.cost("health_check")
         self._line = io.interrupts.attach("background_tick", self._on_tick)
@@ -60,6 +63,7 @@ class Background:
             if done % RATE_HZ == 0:
                 self._news.ask()
                 self._output.send_slow()
+                self._filters.send()
                 self._announcer.look_at_line()
             self._words.look()
             self._announcer.look()

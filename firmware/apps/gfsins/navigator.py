@@ -10,6 +10,7 @@ from typing import Any
 
 from firmware.apps.gfsins.acquisition_news import AcquisitionNews
 from firmware.apps.gfsins.background import Background
+from firmware.apps.gfsins.filter_frames import FilterFrames
 from firmware.apps.gfsins.flight import Flight
 from firmware.apps.gfsins.navigation import Navigation, filter_config
 from firmware.apps.gfsins.reception import Reception
@@ -55,7 +56,9 @@ class Navigator:
         words = Words(navigation, reception, news, output)
         solver = Solver(io, self._config.sensor, output.send_text)
         reception.other = solver.on_packet
-        background = Background(io, news, output, Announcer(io.clock, news, output), words, flight, solver)
+        announcer = Announcer(io.clock, news, output)
+        filters = FilterFrames(io, navigation, self._kernels, output)
+        background = Background(io, news, output, announcer, words, flight, solver, filters)
         output.send_text("navigation begins: waiting for packets")
         flight.begin()
         background.run()
