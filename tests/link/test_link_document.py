@@ -16,7 +16,13 @@ ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "link.md").read_text()
 SIZES = {"u8": 1, "u16": 2, "i16": 2, "u32": 4, "u64": 8, "i32": 4, "i64": 8, "f32": 4}
 CODES = {"u8": "B", "u16": "H", "i16": "h", "u32": "I", "u64": "Q", "i32": "i", "i64": "q", "f32": "f"}
-TYPES = {"SOLUTION": msg.Solution, "STATUS": msg.Status, "GNSS": msg.Gnss, "SENSOR": msg.Sensor}
+TYPES = {
+    "SOLUTION": msg.Solution,
+    "STATUS": msg.Status,
+    "GNSS": msg.Gnss,
+    "SENSOR": msg.Sensor,
+    "FILTER": msg.FilterState,
+}
 
 
 def table(heading: str) -> list[list[str]]:
@@ -44,7 +50,7 @@ def test_byte_tables(kind):
 
 def test_types_and_lengths():
     section = TEXT[TEXT.index("| type | name | length | when |") :]
-    cells = (row.strip("|").split("|") for row in section.splitlines()[2:13])
+    cells = (row.strip("|").split("|") for row in section.splitlines()[2:14])
     rows = {int(kind, 16): (name.strip(), length.strip()) for kind, name, length, _ in cells}
     assert all(getattr(frames, name) == kind for kind, (name, _) in rows.items())
     lengths = {kind: str(layout.size) for kind, layout in frames.PAYLOADS.items()}
