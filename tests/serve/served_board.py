@@ -75,13 +75,20 @@ class ServedHere(Board):
     """In a thread of this process, which is there at once."""
 
     def __init__(
-        self, out: Path | None, *uarts: str, duration_s: float = 30.0, scenario: str = "static", **wanted: Any
+        self,
+        out: Path | None,
+        *uarts: str,
+        duration_s: float = 30.0,
+        board: str = "car_mems",
+        scenario: str = "static",
+        changes: tuple[str, ...] = (),
+        **wanted: Any,
     ) -> None:
         super().__init__()
         request = RunRequest(
-            "car_mems",
+            board,
             scenario,
-            overrides=(f"duration_s={duration_s!r}",),
+            overrides=(f"duration_s={duration_s!r}", *changes),
             out_dir=out,
             capture=wanted.pop("capture", True),
         )

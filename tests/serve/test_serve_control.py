@@ -85,6 +85,9 @@ def test_every_example_is_understood():
     with ServedHere(None, duration_s=1e6) as board:
         for name, arguments in EXAMPLES.items():
             reply = board.control.ask(name, **arguments)
+            if name in ("press", "screen"):  # tests/serve/test_serve_panel.py asks a board that has them
+                assert reply["error"].startswith("board car_mems has no ")
+                continue
             assert reply["ok"], reply
             assert reply["command"] == name
         board.ended()
