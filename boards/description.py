@@ -84,6 +84,8 @@ class Chip(Facts):
     errors: str | None = None
     mounting: Matrix3 = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
     lever_arm_m: Vector3 = (0.0, 0.0, 0.0)
+    arm: Vector3 | None = None
+    """Of a chip on an arm of the board: its `lever_arm_m` in arm lengths, where that is not given itself."""
     second_antenna_m: Vector3 | None = None
     """Of a receiver with two antennas; `lever_arm_m` is the main one's place."""
     pins: dict[str, str] = {}
@@ -239,6 +241,8 @@ class Board(Facts):
     processors: dict[str, Processor] = Field(min_length=1)
     buses: dict[str, Bus] = {}
     chips: dict[str, Chip] = {}
+    arm_length_m: float | None = Field(default=None, ge=0.001, le=100.0, examples=[0.25])
+    """Of arms that carry chips."""
     uarts: dict[str, Port] = {}
     can: dict[str, CanPort] = {}
     logs: dict[str, Owned] = {}
@@ -247,6 +251,16 @@ class Board(Facts):
     timers: dict[str, Owned] = {}
     interconnects: dict[str, Interconnect] = {}
     profiles: dict[str, dict[str, Any]] = Field(min_length=1)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _arms_have_their_length(cls, data: Any) -> Any:
+        chips = data.get("chips") if isinstance(data, dict) else None
+        if not isinstance(chips, dict):
+            return data
+        length = data.get("arm_length_m")
+        placed = {refdes: _on_its_arm(refdes, chip, length) for refdes, chip in chips.items()}
+        return {**data, "chips": placed}
 
     @model_validator(mode="after")
     def _references_lead_somewhere(self) -> Board:
@@ -283,6 +297,18 @@ class Board(Facts):
                 _must_be_known("uart", chip.uart, self.uarts, refdes)
         _must_be_known("profile", self.default_profile, self.profiles, "default_profile")
         return self
+
+
+def _on_its_arm(refdes: str, chip: Any, length: Any) -> Any:
+    """The table of a chip with the lever arm that its arm makes."""
+    if not isinstance(chip, dict) or "arm" not in chip or "lever_arm_m" in chip:
+        return chip
+    if length is None:
+        raise ValueError(f"chip {refdes} sits on an arm: the board needs arm_length_m, for example 0.25")
+    arm, numbers = chip["arm"], (int, float)
+    if not isinstance(length, numbers) or not isinstance(arm, list):
+        return chip
+    return {**chip, "lever_arm_m": [length * part if isinstance(part, numbers) else part for part in arm]}
 
 
 def _must_be_plain(heading: str, names: Iterable[str]) -> None:
