@@ -37,6 +37,13 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
     return ByFolder(config, log)
 
 
+def pytest_collection_finish() -> None:
+    """What was imported and collected stays: without this each run of a board would look through it first."""
+    from host.run.garbage import settle
+
+    settle()
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     items.sort(key=lambda item: place_of(folder_of(item.nodeid)))
 
