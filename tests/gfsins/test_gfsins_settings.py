@@ -62,7 +62,7 @@ def test_scale_and_offset_are_edited_within_limits_and_act_in_both_modes(operato
     shown = operator.panel.lines()
     assert shown[1] == "chips           all 7"
     names = [line.split()[0] for line in shown[1:] if line]
-    assert names == ["chips", "compass", "GPS", "GPS", "DSP", "keys"]
+    assert names == ["chips", "compass", "GPS", "GPS", "DSP", "calibration", "keys"]
     assert operator.press("BACK", "DOWN", "OK", "DOWN")[2] == "A2 1.00000    +0.0 mg"
     before = operator.press("OK")
     assert before[:4] == [
@@ -90,6 +90,22 @@ def test_scale_and_offset_are_edited_within_limits_and_act_in_both_modes(operato
     words = operator.words()
     assert words.index("acquisition is in settings mode") < words.index("acquisition has left settings mode")
     assert "accelerometers swapped or turned: A2" in words
+
+
+def test_what_was_edited_outlives_a_reset() -> None:
+    operator = Operator(f"fault=[{fault('cpu-reset', 'fpga', 9.0)}]")
+    with operator.closing:
+        operator.until(2.9)
+        operator.press("DOWN", "OK", "OK", "OK", "LEFT", "LEFT", "UP", "OK")
+        assert operator.panel.lines()[1] == "scale         1.00100"
+        operator.press("DOWN", "OK", "DOWN", "OK")
+        assert operator.until(8.9)[2] == "offset        -0.5 mg"
+        operator.until(11.5)
+        assert operator.press("DOWN", "OK")[1:3] == ["A1 1.00100    -0.5 mg", "A2 1.00000    +0.0 mg"]
+        assert operator.press("OK", "DOWN", "DOWN", "OK")[1:3] == [
+            "scale         1.00000",
+            "offset        +0.0 mg",
+        ]
 
 
 ON_MOSI = '{ probability = 0.02, line = "mosi" }'

@@ -26,15 +26,12 @@ class Corrections:
     def __init__(self) -> None:
         self.scales = np.full(AXES, NOMINAL_SCALE, np.int64)
         self.offsets = np.zeros(AXES, np.int64)
-        self.changes = 0
-        """Counts up with each new number."""
 
     def set_scale(self, axis: int, scale: int) -> bool:
         """Axis 0 is A1. False: outside the limits, nothing has changed."""
         if not 0 <= axis < AXES or not LEAST_SCALE <= scale <= LARGEST_SCALE:
             return False
         self.scales[axis] = scale
-        self.changes += 1
         return True
 
     def set_offset(self, axis: int, offset: int) -> bool:
@@ -42,5 +39,4 @@ class Corrections:
         if not 0 <= axis < AXES or abs(offset) > LARGEST_OFFSET:
             return False
         self.offsets[axis] = offset
-        self.changes += 1
         return True

@@ -6,10 +6,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from firmware.apps.gfsins.accelerations import NOMINAL_SCALE
+from firmware.apps.gfsins.calibration import Calibration
 from firmware.apps.gfsins.corrections import LARGEST_OFFSET, LARGEST_SCALE, LEAST_SCALE, Corrections
 from firmware.apps.gfsins.menu import Choice, Item, Menu, two_ends
 from firmware.apps.gfsins.sampling import Sampling
 
+REFUSED = "outside the limits"
+NOT_KEPT = "not kept in flash"
 WORDS_PER_G = 2000
 FACTOR_ONE = 100_000
 """A factor is edited in hundred thousandths of the nominal scale."""
@@ -35,25 +38,32 @@ def offset_text(corrections: Corrections, axis: int) -> str:
     return f"{int(corrections.offsets[axis]) / 2:+.1f} mg"
 
 
-def axis_page(axis: int, corrections: Corrections, sampling: Sampling) -> Choice:
-    """The page of A1 … A9 (axis 0 … 8)."""
+def axis_page(axis: int, calibration: Calibration, sampling: Sampling) -> Choice:
+    """The page of A1 … A9 (axis 0 … 8). What is stored acts at once, and is kept in flash."""
+    corrections = calibration.corrections
+
+    def kept(is_taken: bool) -> str:
+        if not is_taken:
+            return REFUSED
+        return "" if calibration.keep_corrections() else NOT_KEPT
 
     def edit_scale(menu: Menu) -> None:
         factor = Number(
             f"A{axis + 1} scale", factor_of(LEAST_SCALE), factor_of(LARGEST_SCALE), 5, signed=False
         )
         before = factor_of(int(corrections.scales[axis]))
-        menu.open(Editor(factor, before, lambda new: corrections.set_scale(axis, scale_of(new))))
+        menu.open(Editor(factor, before, lambda new: kept(corrections.set_scale(axis, scale_of(new)))))
 
     def edit_offset(menu: Menu) -> None:
         limit = LARGEST_OFFSET * 5
         offset = Number(f"A{axis + 1} offset, mg", -limit, limit, 1, signed=True, step=5)
         before = int(corrections.offsets[axis]) * 5
-        menu.open(Editor(offset, before, lambda new: corrections.set_offset(axis, new // 5)))
+        menu.open(Editor(offset, before, lambda new: kept(corrections.set_offset(axis, new // 5))))
 
     def nominal(menu: Menu) -> None:
         corrections.set_scale(axis, NOMINAL_SCALE)
         corrections.set_offset(axis, 0)
+        calibration.keep_corrections()
 
     def reading() -> str:
         return two_ends("reads", f"{sampling.means[axis] / WORDS_PER_G:+.3f} g")
@@ -90,11 +100,14 @@ class Number:
 
 
 class Editor:
-    """Implements `Page`: LEFT and RIGHT choose the digit, UP and DOWN turn it, OK stores, BACK does not."""
+    """Implements `Page`: LEFT and RIGHT choose the digit, UP and DOWN turn it, OK stores, BACK does not.
+
+    `store` tells what is wrong with it, if anything.
+    """
 
     marked: int | None = None
 
-    def __init__(self, number: Number, value: int, store: Callable[[int], bool]) -> None:
+    def __init__(self, number: Number, value: int, store: Callable[[int], str]) -> None:
         self._number = number
         self._value = value
         self._store = store
@@ -118,10 +131,9 @@ class Editor:
         if key == "BACK":
             menu.back()
         elif key == "OK":
-            if self._store(self._value):
+            self._note = self._store(self._value)
+            if not self._note:
                 menu.back()
-            else:
-                self._note = "refused"
         elif key == "LEFT":
             self._digit = min(self._digit + 1, len(str(number.most)) - 1)
         elif key == "RIGHT":

@@ -27,6 +27,7 @@ class StatusPage:
             two_ends("GPS", health.receiver_words),
             two_ends("GPS epochs", str(sampling.receiver.epochs)),
             two_ends("DSP", "silent" if health.dsp_is_silent else "answers"),
+            two_ends("calibration", health.calibration_words),
             two_ends("keys", f"{health.stuck_keys[0]} stuck" if health.stuck_keys else "ok"),
         ]
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from firmware.apps.gfsins.corrections import AXES, Corrections
+from firmware.apps.gfsins.calibration import Calibration
+from firmware.apps.gfsins.corrections import AXES
 from firmware.apps.gfsins.menu import Choice, Item, Menu, two_ends
 from firmware.apps.gfsins.menu_axis import axis_page, factor_text, offset_text
 from firmware.apps.gfsins.menu_procedure import ProcedurePage
@@ -25,12 +26,12 @@ LABELS = {
 
 
 def menu_of(
-    corrections: Corrections, sampling: Sampling, procedures: Procedures, health: SettingsHealth
+    calibration: Calibration, sampling: Sampling, procedures: Procedures, health: SettingsHealth
 ) -> Menu:
     """The menu, at its first page."""
     items = [
         Item(lambda: "Status", lambda menu: menu.open(StatusPage(health))),
-        Item(lambda: "Scale and offset", lambda menu: menu.open(_axes(corrections, sampling))),
+        Item(lambda: "Scale and offset", lambda menu: menu.open(_axes(calibration, sampling))),
         *(_procedure(procedures, name) for name in procedures.NAMES),
         Item(lambda: "Leave", lambda menu: menu.open(_leaving())),
     ]
@@ -67,14 +68,16 @@ def _procedure(procedures: Procedures, name: str) -> Item:
     return Item(lambda: LABELS.get(name, name), begin)
 
 
-def _axes(corrections: Corrections, sampling: Sampling) -> Choice:
+def _axes(calibration: Calibration, sampling: Sampling) -> Choice:
+    corrections = calibration.corrections
+
     def item(axis: int) -> Item:
         def text() -> str:
             factor, offset = factor_text(corrections, axis), offset_text(corrections, axis)
             return two_ends(f"A{axis + 1} {factor}", offset)
 
         def chosen(menu: Menu) -> None:
-            menu.open(axis_page(axis, corrections, sampling))
+            menu.open(axis_page(axis, calibration, sampling))
 
         return Item(text, chosen)
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from firmware.apps.gfsins import commands
+from firmware.apps.gfsins.calibration import Calibration
+from firmware.apps.gfsins.calibration_store import Found
 from firmware.apps.gfsins.sampling import Sampling
 from firmware.drivers.hmc6343 import Outcome as CompassOutcome
 from firmware.drivers.keypad import Keypad
@@ -18,8 +20,9 @@ PHASES = tuple(SetupPhase)
 class SettingsHealth:
     """Knows who is there."""
 
-    def __init__(self, clock: Clock, sampling: Sampling, keypad: Keypad) -> None:
+    def __init__(self, clock: Clock, sampling: Sampling, keypad: Keypad, calibration: Calibration) -> None:
         self.sampling = sampling
+        self._calibration = calibration
         self._clock = clock
         self._keypad = keypad
         self._heard_ns: int | None = None
@@ -43,6 +46,11 @@ class SettingsHealth:
         """How far its set-up is."""
         return PHASES[self.sampling.receiver.phase].value
 
+    @property
+    def calibration_words(self) -> str:
+        """What the flash held."""
+        return self._calibration.found.name.lower()
+
     def warning(self) -> str | None:
         """What an operator must know whatever page he is on: the worst of it."""
         chips = self.sampling.chips
@@ -54,6 +62,8 @@ class SettingsHealth:
             return "DSP is silent"
         if self.stuck_keys:
             return f"key stuck: {self.stuck_keys[0]}"
+        if self._calibration.found is Found.SPOILT:
+            return "calibration spoilt"
         return None
 
     def status(self, starts: int) -> bytes:

@@ -36,7 +36,6 @@ class SettingsMode:
     def __init__(self, io: BoardIo, calibration: Calibration) -> None:
         self._io = io
         self._calibration = calibration
-        self._corrections = calibration.corrections
         self._starts = 0
 
     def run(self) -> None:
@@ -64,11 +63,11 @@ class SettingsMode:
         self._screen = TextScreen(display, io.cpu, io.cpu.cost("glyph"))
         self._screen.start()
         self._screen.show(["gfsins settings mode", "", "sensors start ..."])
-        self._sampling = Sampling(io, self._corrections)
+        self._sampling = Sampling(io, self._calibration.corrections)
         self._slave = io.i2c_slaves["commands"]
         self._procedures = Procedures(io, self._sampling, self._calibration)
-        self._health = SettingsHealth(io.clock, self._sampling, self._keypad)
-        self._menu: Menu = menu_of(self._corrections, self._sampling, self._procedures, self._health)
+        self._health = SettingsHealth(io.clock, self._sampling, self._keypad, self._calibration)
+        self._menu: Menu = menu_of(self._calibration, self._sampling, self._procedures, self._health)
         self._menu_cost = io.cpu.cost("menu")
         self._health_cost = io.cpu.cost("health")
         self._slave.begin(io.interrupts.attach("command", self._on_command))
