@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from boards.description import load_board
 from boards.hints import did_you_mean
 from firmware.apps.gfsins import calibration as store
 from firmware.apps.gfsins.positions import NAMES
@@ -101,6 +102,7 @@ def procedures_of(asked: Sequence[str]) -> tuple[str, ...]:
 
 def calibrate(request: RunRequest, names: Sequence[str], progress: Progress | None = None) -> Outcome:
     """All of it. Raises UserError."""
+    _check_board(request)
     request = replace(request, scenario=request.scenario or "turntable", capture=False, out_dir=None)
     setup, world = _prepared(request, "settings")
     outcome = Outcome(request, setup.scenario.name, setup.profile_name)
@@ -121,10 +123,21 @@ def calibrate(request: RunRequest, names: Sequence[str], progress: Progress | No
     return outcome
 
 
+def _check_board(request: RunRequest) -> None:
+    board = load_board(request.board)
+    if FLASH not in board.flash:
+        raise UserError(
+            f"board {board.name} keeps no calibration (it has no flash called {FLASH!r}); gfsins does"
+        )
+
+
 def _prepared(request: RunRequest, mode: str) -> tuple[Setup, TableWorld]:
     setup, world = prepared(replace(request, overrides=(*request.overrides, f"panel.mode={mode}")))
-    if FLASH not in setup.board.flash:
-        raise UserError(f"board {setup.board.name} has nothing to be calibrated on a table; gfsins has")
+    if setup.scenario.panel.keys:
+        raise UserError(
+            f"scenario {setup.scenario.name}: panel.keys are pressed while a board is calibrated by its keys;"
+            " leave them out, as in the scenario turntable"
+        )
     return setup, TableWorld(world.scenario, request.seed)
 
 

@@ -26,7 +26,7 @@ LOOK_NS = SECOND // 10
 SETTLE_NS = 3 * SECOND // 10
 """From the end of a turn to the key."""
 LONGEST_S = 60.0
-"""Without any change on the screen."""
+"""Until the board asks for the next thing."""
 MOST_REFUSALS = 5
 SPIN_S = 5.0
 TWELVE = re.compile(r"\d+/\d+ x ([NSEWUD]), y ([NSEWUD]), z ([NSEWUD])")
@@ -86,15 +86,12 @@ class Operator:
         return self._until(lambda lines: any(text in line for line in lines), f"{text!r}")
 
     def _until(self, seen: Callable[[list[str]], bool], what: str) -> list[str]:
-        before: list[str] = []
-        since_ns = self._session.now_ns
+        begun_ns = self._session.now_ns
         while True:
             lines = self._panel.lines()
             if seen(lines):
                 return lines
-            if lines != before:
-                before, since_ns = lines, self._session.now_ns
-            if self._session.now_ns - since_ns > LONGEST_S * SECOND:
+            if self._session.now_ns - begun_ns > LONGEST_S * SECOND:
                 shown = " | ".join(line for line in lines if line) or "nothing"
                 raise UserError(f"the board's screen never showed {what}; it shows: {shown}")
             self._pass(LOOK_NS)

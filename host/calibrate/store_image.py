@@ -5,7 +5,6 @@ from __future__ import annotations
 from boards.description import Board
 from firmware.apps.gfsins.calibration import Calibration
 from firmware.apps.gfsins.corrections import Corrections
-from host.record.errors import UserError
 
 FLASH = "calibration"
 
@@ -32,11 +31,7 @@ class FlashImage:
 
 
 def calibration_in(content: bytes, board: Board) -> Calibration:
-    """What the firmware would load from it. Raises UserError for a board that stores none."""
-    if FLASH not in board.flash:
-        raise UserError(
-            f"board {board.name} keeps no calibration (it has no flash called {FLASH!r}); gfsins does"
-        )
+    """What the firmware would load from it."""
     facts = board.flash[FLASH]
     found = Calibration(FlashImage(content, facts.blocks, facts.block_bytes), Corrections())
     found.load()
