@@ -92,7 +92,7 @@ class Background:
             self._output.send_text("what was entered is not of here: alignment's is taken")
         if flight.realignments != self._realignments:
             self._realignments = flight.realignments
-            self._output.send_text("attitude lost, the compass contradicts: aligning again")
+            self._output.send_text(f"attitude lost, {flight.lost_by}: aligning again")
         misplaced = flight.alignment.misplaced
         if misplaced != self._misplaced:
             self._misplaced = misplaced

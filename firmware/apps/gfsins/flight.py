@@ -21,6 +21,8 @@ from firmware.nav.gyro_free.packet_door import FUSED
 from hal.board_io import BoardIo
 
 SECOND_NS = 1_000_000_000
+LONGEST_GAP_NS = 2 * SECOND_NS
+"""Without packets; what nine accelerometers make of the rate is worth nothing behind it."""
 
 
 class Flight:
@@ -46,7 +48,10 @@ class Flight:
         self.ages_ns = 0
         """Sum of these ages …"""
         self.realignments = 0
-        """How often attitude was lost."""
+        """How often attitude was lost …"""
+        self.lost_by = ""
+        """… and by what, the last time."""
+        self._tick_ns = 0
         self.restarts = 0
         """How often the master had lost its state."""
         self.solutions = 0
@@ -82,11 +87,15 @@ class Flight:
     def _take(self) -> None:
         words = self._reception.words
         self._navigation.samples_missed = self._reception.lost
-        flags = int(words[pk.FLAGS])
+        flags, tick_ns = int(words[pk.FLAGS]), self._reception.tick_ns
         if flags:
-            self._note(flags, self._reception.tick_ns)
+            self._note(flags, tick_ns)
+        gap_ns, self._tick_ns = tick_ns - self._tick_ns, tick_ns
         if not self.is_aligned:
             self._align()
+            return
+        if gap_ns > LONGEST_GAP_NS and self._uses_registers:
+            self._align_again(f"no packets for {gap_ns / SECOND_NS:.0f} s")
             return
         self._feed.read()
         navigation = self._navigation
@@ -97,7 +106,7 @@ class Flight:
         if flags & pk.HAS_COMPASS:
             step += compass
             if self._uses_registers and not words[pk.FAULTS] and self._lost.look():
-                self._align_again()
+                self._align_again("compass or GPS contradicts")
                 return
         if flags & pk.HAS_GPS:
             step += gps
@@ -112,8 +121,9 @@ class Flight:
             self._ticks = 0
             self._output_line.pend()
 
-    def _align_again(self) -> None:
+    def _align_again(self, cause: str) -> None:
         self.realignments += 1
+        self.lost_by = cause
         self._navigation.forget()
         self.alignment = self._new_alignment()
         self.is_aligned = False
