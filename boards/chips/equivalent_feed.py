@@ -72,15 +72,18 @@ class EquivalentFeed:
         length = len(mosi)
         if not self._powered or self._latched_ns < 0 or mosi[0] != READ:
             return bytes(length)
-        return (b"\0" + self._values())[:length].ljust(length, b"\0")
+        told = self._values()
+        return told if length == len(told) else told[:length].ljust(length, b"\0")
 
     def _values(self) -> bytes:
-        """Of the edge that came last."""
-        now, rows = self._latched_ns, self._rows
-        for row in (self._row + 1, self._row):
-            if 0 <= row < len(rows) and abs(self._times[row] - now) <= NEAR_NS:
-                self._row = row
-                return rows[row]
+        """A zero and what the edge that came last found."""
+        now, rows, row = self._latched_ns, self._rows, self._row + 1
+        if row < len(rows) and abs(self._times[row] - now) <= NEAR_NS:
+            self._row = row
+            return rows[row]
+        row -= 1
+        if 0 <= row < len(rows) and abs(self._times[row] - now) <= NEAR_NS:
+            return rows[row]
         self._ask(now)
         self._row = 0
         return self._rows[0]
@@ -93,4 +96,4 @@ class EquivalentFeed:
         values = self._world.sample(times, BANDWIDTH_HZ)
         ordered = np.concatenate((values[:, 3:6], values[:, 0:3]), axis=1).astype("<f4")
         self._times = times.tolist()
-        self._rows = [row.tobytes() for row in ordered]
+        self._rows = [b"\0" + row.tobytes() for row in ordered]

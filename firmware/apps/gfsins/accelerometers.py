@@ -17,7 +17,9 @@ RANGE_G = 16
 GRACE_TICKS = 4
 """Ticks without a sample, or samples all alike, from which a chip counts as missing or stuck."""
 STUCK_SAMPLES = 20
-STATUS_REQUEST = bytes((READ | Register.FIFO_STATUS, 0))
+STATUS_REQUEST = bytearray((READ | Register.FIFO_STATUS, 0))
+BURST_REQUEST = bytearray(SAMPLE_REQUEST)
+"""Assigning one bytearray to another takes a third of the time of bytes."""
 ALL = (1 << CHIPS) - 1
 
 
@@ -46,7 +48,7 @@ class Accelerometers:
         self._buffers = [bytearray(SAMPLE_LENGTH) for _ in range(CHIPS)]
         self._status = bytearray(2)
         self._silent_ticks = [0] * CHIPS
-        self._last = [b""] * CHIPS
+        self._last = [bytearray()] * CHIPS
         self._alike = [0] * CHIPS
         self._spend = io.cpu.spend
         self._pop_cycles = io.cpu.cost("fifo_pop")
@@ -89,17 +91,18 @@ class Accelerometers:
             buffer = buffers[chip]
             while entries > 1:
                 entries -= 1
-                buffer[:] = SAMPLE_REQUEST
+                buffer[:] = BURST_REQUEST
                 transaction(buffer)
                 self._spend(self._pop_cycles)
-            buffer[:] = SAMPLE_REQUEST
+            buffer[:] = BURST_REQUEST
             transaction(buffer)
             fresh |= 1 << chip
             self._silent_ticks[chip] = 0
-            if buffer[1:] == self._last[chip]:
+            sample = buffer[1:]
+            if sample == self._last[chip]:
                 self._found_alike(chip)
             else:
-                self._last[chip] = bytes(buffer[1:])
+                self._last[chip] = sample
                 if self._alike[chip]:
                     self._alike[chip] = 0
                     self.stuck &= ~(1 << chip)

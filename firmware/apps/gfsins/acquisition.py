@@ -50,6 +50,7 @@ class Acquisition:
         self._ticks = 0
         self._sequence = 0
         self._words = np.zeros(pk.WORDS, np.int64)
+        self._view = self._words.data.cast("B")
         self._data = np.zeros(pk.BYTES, np.uint8)
         self._chips = Accelerometers(io)
         self._raw = np.frombuffer(self._chips.raw, np.uint8)
@@ -133,8 +134,11 @@ class Acquisition:
             self._receiver.is_fresh = False
             flags |= put_epoch(words, self._receiver.waiting.tolist(), tick_ns)
         tick_us = tick_ns // 1000
-        words[2:6] = self._sequence, tick_us >> 32, tick_us >> 16 & 0xFFFF, tick_us & 0xFFFF
-        words[15:18] = chips.fresh, chips.faults | far, flags
+        view = self._view
+        pk.HEADER.pack_into(
+            view, pk.HEADER_AT, self._sequence, tick_us >> 32, tick_us >> 16 & 0xFFFF, tick_us & 0xFFFF
+        )
+        pk.MARKS.pack_into(view, pk.MARKS_AT, chips.fresh, chips.faults | far, flags)
         told = self._coefficients
         if told is not None:
             words[FIRST_WORD : FIRST_WORD + WORDS] = told[self._sequence % len(told)]

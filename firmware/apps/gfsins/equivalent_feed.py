@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from hal.spi import SpiDevice
 
 LENGTH = 25
-REQUEST = bytes((0x52,)) + bytes(LENGTH - 1)
+REQUEST = bytearray((0x52, *bytes(LENGTH - 1)))
 
 
 class EquivalentFeed:
@@ -24,7 +24,8 @@ class EquivalentFeed:
         self.felt: NDArray[np.float32] = np.zeros(7, np.float32)
         self._device = device
         self._buffer = bytearray(LENGTH)
-        self._bytes = self.felt.data.cast("B")
+        self._answer = memoryview(self._buffer)[1:]
+        self._bytes = self.felt.data.cast("B")[4:]
         if device is not None:
             self.felt[0] = 1.0
 
@@ -35,4 +36,4 @@ class EquivalentFeed:
         buffer = self._buffer
         buffer[:] = REQUEST
         self._device.transaction(buffer)
-        self._bytes[4:] = buffer[1:]
+        self._bytes[:] = self._answer

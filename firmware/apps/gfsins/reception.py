@@ -56,6 +56,7 @@ class Reception:
         self._ring = bytearray(RING)
         self._data = np.zeros(pk.BYTES, np.uint8)
         self._view = self._data.data
+        self._memory = self.words.data.cast("B")
         self._taken = 0
         self._sequence = -1
         self._fpga_us = 0
@@ -102,8 +103,7 @@ class Reception:
         self._task.pend()
 
     def _count(self, now_ns: int) -> None:
-        words = self.words
-        sequence, high, middle, low = words[pk.SEQUENCE : pk.ACCELERATIONS].tolist()
+        sequence, high, middle, low = pk.SENT_HEADER.unpack_from(self._view, pk.SENT_HEADER_AT)
         fpga_us = high << 32 | middle << 16 | low
         if fpga_us <= self._fpga_us:
             self.restarts += 1
@@ -116,7 +116,7 @@ class Reception:
         self.tick_ns = tick_ns = max(self._dated(now_ns), self.tick_ns + 1000)
         tick_us = tick_ns // 1000
         high, middle, low = tick_us >> 32, tick_us >> 16 & WORD_MASK, tick_us & WORD_MASK
-        words[pk.TIME : pk.ACCELERATIONS] = high, middle, low
+        pk.STAMP.pack_into(self._memory, pk.STAMP_AT, high, middle, low)
 
     def _dated(self, now_ns: int) -> int:
         """When the tick of the packet that has just come was."""

@@ -17,6 +17,8 @@
 Numbers below zero are two's complement. A slip by a word or a byte shows in sync word, kind and CRC.
 """
 
+from struct import Struct
+
 import numpy as np
 
 from firmware.link.crc import crc16
@@ -32,6 +34,14 @@ CRC = 47
 SYNC_WORD = np.int64(0xA55A)
 KIND_WORD = np.int64(0x4701)
 HAS_COMPASS, HAS_GPS, HAS_HEIGHT, HAS_COURSE = 1, 2, 4, 8
+
+HEADER, MARKS, STAMP = Struct("4q"), Struct("3q"), Struct("3q")
+HEADER_AT, MARKS_AT, STAMP_AT = 8 * SEQUENCE, 8 * CHIPS, 8 * TIME
+"""Sequence number and time; chips, faults and flags; time: in the memory of an array of words. A third of the
+time of an assignment to a slice of the array."""
+SENT_HEADER = Struct(">4H")
+SENT_HEADER_AT = 2 * SEQUENCE
+"""The first of them as it is sent."""
 
 GOOD = 0
 NO_SYNC = 1

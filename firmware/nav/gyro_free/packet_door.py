@@ -81,5 +81,6 @@ class PacketDoor:
 
 
 def _tick_ns(words: NDArray[np.int64]) -> int:
-    high, middle, low = (int(word) for word in words[pk.TIME : pk.TIME + 3])
-    return ((high << 32) | (middle << 16) | low) * 1000
+    high, middle, low = words[pk.TIME : pk.TIME + 3].tolist()
+    tick_us: int = (high << 32) | (middle << 16) | low
+    return tick_us * 1000
