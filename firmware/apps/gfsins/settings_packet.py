@@ -12,7 +12,6 @@ Whatever is lost or spoilt on either way costs one repetition.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 from struct import Struct
@@ -123,9 +122,9 @@ def open_answer(data: bytes) -> Answer | None:
     return Answer(number, Result(result), Struct(f">{count}f").unpack(told))
 
 
-def check_sum(data: bytes | Sequence[int]) -> int:
+def check_sum(data: bytes) -> int:
     """CRC-16 as in the packets."""
-    found: int = entry_point(crc16)(np.frombuffer(bytes(data), np.uint8), 0, len(data))
+    found: int = entry_point(crc16)(np.frombuffer(bytearray(data), np.uint8), 0, len(data))
     return found
 
 
