@@ -101,4 +101,5 @@ class Choice:
 
 def two_ends(left: str, right: str) -> str:
     """A line with a text at each end; the left one gives way."""
-    return left[: CHARACTERS - len(right) - bool(right)].ljust(CHARACTERS - len(right)) + right
+    room = max(0, CHARACTERS - len(right))
+    return left[: max(0, room - bool(right))].ljust(room) + right[:CHARACTERS]

@@ -3,8 +3,20 @@
 from __future__ import annotations
 
 from firmware.apps.gfsins.accelerations import CHIPS
+from firmware.apps.gfsins.calibration_store import Found
 from firmware.apps.gfsins.menu import Menu, two_ends
 from firmware.apps.gfsins.settings_health import SettingsHealth, chip_digits
+from firmware.drivers.hmc6343 import Outcome as CompassOutcome
+
+COMPASS = {
+    CompassOutcome.OK: "ok",
+    CompassOutcome.ABSENT: "missing",
+    CompassOutcome.WRONG_CHIP: "wrong chip",
+    CompassOutcome.NOT_CONFIGURED: "not set up",
+    CompassOutcome.NOT_RUNNING: "not running",
+}
+CALIBRATION = {Found.NOTHING: "none", Found.GOOD: "loaded", Found.SPOILT: "spoilt"}
+"""What there is room for."""
 
 
 class StatusPage:
@@ -23,11 +35,11 @@ class StatusPage:
         return [
             "STATUS",
             two_ends("chips", _chips(chips.missing, chips.stuck)),
-            two_ends("compass", sampling.compass.outcome.value),
-            two_ends("GPS", health.receiver_words),
+            two_ends("compass", COMPASS[sampling.compass.outcome]),
+            two_ends("GPS", "set up" if sampling.receiver.is_running else "is being set up"),
             two_ends("GPS epochs", str(sampling.receiver.epochs)),
             two_ends("DSP", "silent" if health.dsp_is_silent else "answers"),
-            two_ends("calibration", health.calibration_words),
+            two_ends("calibration", CALIBRATION[health.calibration]),
             two_ends("keys", f"{health.stuck_keys[0]} stuck" if health.stuck_keys else "ok"),
         ]
 

@@ -8,13 +8,11 @@ from firmware.apps.gfsins.calibration_store import Found
 from firmware.apps.gfsins.sampling import Sampling
 from firmware.drivers.hmc6343 import Outcome as CompassOutcome
 from firmware.drivers.keypad import Keypad
-from firmware.drivers.sentence_setup import SetupPhase
 from hal.clock import Clock
 
 DSP_SILENT_NS = 3_000_000_000
 """The DSP tells every second that it is there."""
 COMPASS_OUTCOMES = tuple(CompassOutcome)
-PHASES = tuple(SetupPhase)
 
 
 class SettingsHealth:
@@ -42,14 +40,9 @@ class SettingsHealth:
         return self._keypad.stuck
 
     @property
-    def receiver_words(self) -> str:
-        """How far its set-up is."""
-        return PHASES[self.sampling.receiver.phase].value
-
-    @property
-    def calibration_words(self) -> str:
+    def calibration(self) -> Found:
         """What the flash held."""
-        return self._calibration.found.name.lower()
+        return self._calibration.found
 
     def warning(self) -> str | None:
         """What an operator must know whatever page he is on: the worst of it."""
