@@ -40,8 +40,10 @@ class Driven:
         return float(np.abs(self.column(name)[chosen]).max())
 
 
-def fault(kind: str, target: str, at_s: float, duration_s: float | None = None, **parameters: float) -> str:
-    """One fault as `--set fault=[…]` takes it."""
+def fault(
+    kind: str, target: str, at_s: float, duration_s: float | None = None, **parameters: float | str
+) -> str:
+    """One fault as `--set fault=[…]` takes it; parameters that are texts as they stand in TOML."""
     text = f'kind = "{kind}", target = "{target}", at_s = {at_s}'
     if duration_s is not None:
         text += f", duration_s = {duration_s}"
