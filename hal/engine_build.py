@@ -10,26 +10,37 @@ import shutil
 import sys
 import tempfile
 import time
+from collections.abc import Sequence
 from pathlib import Path
 
 from hal import engine
+from hal.engine_modules import GROUPS
 
 PACKAGE_ROOT = Path(engine.__file__).resolve().parents[1]
 BUILDS_KEPT = 4
-"""Beside the new one: branches that take turns in one environment, 2 MB each."""
+"""Of a group, beside the new one: branches that take turns in one environment, 1 MB each."""
 UNFINISHED = "being-built-"
 """How the folder of a build begins until it is whole."""
 LONGEST_BUILD_S = 3600.0
 """What is still unfinished after that was interrupted."""
+OPTIMISATION = "1"
+"""Of the C compiler: half the time of 2, and code as fast, which waits for memory more than it computes."""
+TYPES = """[mypy]
+disable_error_code = var-annotated
+[mypy-numpy.*,greenlet.*,numba.*,llvmlite.*]
+follow_imports = skip
+ignore_missing_imports = True
+"""
+"""What is known of others' packages does not change the C code; to read it takes two thirds of the time."""
 
 
 class NotPossibleError(Exception):
     """The engine cannot be translated here; the message says why and what would help."""
 
 
-def build() -> Path:
-    """The engine's folder, filled. Raises NotPossibleError; nothing is left half-done."""
-    target = engine.folder()
+def build(group: str) -> Path:
+    """A group's folder, filled. Raises NotPossibleError; nothing is left half-done."""
+    target = engine.folder(group)
     if target.exists():
         return target
     for module, package in (("mypyc", "mypy"), ("setuptools", "setuptools")):
@@ -41,10 +52,10 @@ def build() -> Path:
     except OSError as error:
         raise NotPossibleError(f"{target.parent} cannot be written ({error.strerror})") from error
     try:
-        _compile(aside)
+        _compile(group, aside)
         aside.chmod(0o755)
-        _drop_older(target.parent)
-        if engine.folder() != target:
+        _drop_older(target.parent, group)
+        if engine.folder(group) != target:
             raise NotPossibleError("its sources were changed meanwhile; build it again")
         _put_in_place(aside, target)
     finally:
@@ -61,8 +72,8 @@ def _put_in_place(aside: Path, target: Path) -> None:
             raise NotPossibleError(f"{target} cannot be written ({error.strerror})") from error
 
 
-def _compile(folder: Path) -> None:
-    """Machine code of all modules below `folder`, C sources beside it while it works."""
+def _compile(group: str, folder: Path) -> None:
+    """Machine code of all modules of a group in `folder`, C sources beside it while it works."""
     from mypyc.build import mypycify
     from setuptools import Distribution
     from setuptools.command.build_ext import build_ext
@@ -72,10 +83,19 @@ def _compile(folder: Path) -> None:
     os.chdir(PACKAGE_ROOT)
     try:
         with tempfile.TemporaryDirectory(dir=folder) as scratch:
-            paths = [str(path.relative_to(PACKAGE_ROOT)) for path in engine.sources()]
-            name = engine.LIBRARY.removesuffix("__mypyc")
-            extensions = mypycify(paths, target_dir=scratch, opt_level="2", debug_level="0", group_name=name)
-            command = build_ext(Distribution({"name": name, "ext_modules": extensions}))
+            types = Path(scratch) / "types.ini"
+            types.write_text(TYPES)
+            paths = [str(path.relative_to(PACKAGE_ROOT)) for path in engine.sources(group)]
+            name = engine.library(group)
+            extensions = mypycify(
+                ["--config-file", str(types), *paths],
+                target_dir=scratch,
+                opt_level=OPTIMISATION,
+                debug_level="0",
+                group_name=name.removesuffix("__mypyc"),
+            )
+            wanted = [extension for extension in extensions if extension.name == name]
+            command = build_ext(Distribution({"name": name, "ext_modules": wanted}))
             command.build_lib, command.build_temp = str(folder), scratch
             command.ensure_finalized()
             command.run()
@@ -91,25 +111,26 @@ def _compile(folder: Path) -> None:
         os.chdir(before)
 
 
-def _drop_older(parent: Path) -> None:
-    """All but the last builds of this environment, and what interrupted builds have left; a process that has
-    a dropped one open keeps it."""
+def _drop_older(parent: Path, group: str) -> None:
+    """All but the last builds of a group in this environment, and what interrupted ones have left. A process
+    that has a dropped one open keeps it."""
     ages = {folder: time.time() - folder.stat().st_mtime for folder in parent.iterdir()}
-    unfinished = [folder for folder in ages if folder.name.startswith(UNFINISHED)]
-    built = sorted(ages.keys() - set(unfinished), key=ages.__getitem__)
-    interrupted = [folder for folder in unfinished if ages[folder] > LONGEST_BUILD_S]
-    for folder in [*built[BUILDS_KEPT:], *interrupted]:
-        shutil.rmtree(folder, ignore_errors=True)
+    built = sorted((path for path in ages if path.name.startswith(f"{group}-")), key=ages.__getitem__)
+    interrupted = [path for path in ages if path.name.startswith(UNFINISHED) and ages[path] > LONGEST_BUILD_S]
+    for path in [*built[BUILDS_KEPT:], *interrupted]:
+        shutil.rmtree(path, ignore_errors=True)
 
 
-def main() -> None:
-    """Build, and say what came of it in one line."""
-    if engine.folder().exists():
+def main(groups: Sequence[str]) -> None:
+    """Build what is missing, and say what came of it in one line."""
+    missing = [group for group in groups if not engine.folder(group).exists()]
+    if not missing:
         return
     print("navtwin: translating the emulator's engine to machine code …", flush=True)
     started = time.monotonic()
     try:
-        build()
+        for group in missing:
+            build(group)
     except NotPossibleError as error:
         print(f"navtwin: the engine stays interpreted: {error}", file=sys.stderr)
     else:
@@ -117,4 +138,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:] or list(GROUPS))

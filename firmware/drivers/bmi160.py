@@ -26,6 +26,7 @@ from firmware.drivers.bmi160_sample import (
     scales,
 )
 from hal.cpu import Cpu
+from hal.machine_code import mypyc_attr
 from hal.spi import SpiDevice
 
 CHIP_ID: Final = 0xD1
@@ -159,6 +160,7 @@ class Bmi160Config:
         return scales(self.gyro_range_dps, self.accel_range_g)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Bmi160:
     """One chip. `raw` is the last burst as `bmi160_sample` wants it."""
 

@@ -23,6 +23,7 @@ from typing import Final
 from firmware.drivers import receiver_state as st
 from firmware.drivers.receiver_stream import SECOND_NS, Answers, ReceiverStream
 from firmware.drivers.ubx import frame
+from hal.machine_code import mypyc_attr
 from hal.uart import Uart
 
 CFG_PRT: Final = 0x0600
@@ -117,6 +118,7 @@ class Phase(Enum):
     RUNNING = "running"
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Configurator:
     """Steps the set-up of one receiver. With `setup` None it is left as it comes, at any bit rate."""
 

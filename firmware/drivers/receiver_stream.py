@@ -22,6 +22,7 @@ from firmware.drivers.message_table import write_tables
 from firmware.drivers.receiver_demux import demultiplex
 from firmware.drivers.satellite_lists import SatelliteInView, satellites
 from firmware.numerics.dialect import entry_point
+from hal.machine_code import mypyc_attr
 
 BITS_PER_BYTE: Final = 10
 SECOND_NS: Final = 1_000_000_000
@@ -56,6 +57,7 @@ class Answers(NamedTuple):
     nak_of: int
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class ReceiverStream:
     """Ring, parser state and the latest epoch of one receiver.
 

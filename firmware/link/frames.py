@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from firmware.drivers.satellite_lists import SYSTEM_NAMES, SatelliteInView
 from firmware.link.crc import append_crc
 from firmware.numerics.dialect import entry_point
+from hal.machine_code import mypyc_attr
 
 SYNC: Final = b"\xa5\x5a"
 HEADER_LENGTH: Final = 5
@@ -78,6 +79,7 @@ TASK_ROWS_A_FRAME: Final = (LONGEST_PAYLOAD - LIST_HEAD.size) // TASK_ROW.size
 SATELLITES_A_FRAME: Final = (LONGEST_PAYLOAD - SATELLITE_HEAD.size) // SATELLITE_ROW.size
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class FrameWriter:
     """Makes frames, numbered one after the other."""
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from firmware.link.nmea_checksum import exclusive_or
 from firmware.numerics.dialect import entry_point
+from hal.machine_code import mypyc_attr
 
 LONGEST: Final = 82
 OF_ONE_FIX: Final = 4
@@ -66,6 +67,7 @@ class OwnFix(NamedTuple):
     hdop_centi: int
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class NmeaWriter:
     """Prints sentences."""
 

@@ -13,11 +13,13 @@ from firmware.link.can_output import BASE_IDENTIFIER, identifiers
 from firmware.link.frames import PAYLOADS, SOLUTION, SYNC, FrameWriter
 from firmware.numerics.dialect import entry_point
 from hal.can import CanSet
+from hal.machine_code import mypyc_attr
 
 FLOAT32: Final = np.dtype(np.float32)
 PACK_WORDS: Final = Struct(f"={place.WORDS}q").pack_into
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class SolutionOutput:
     """Owns the buffer that one kernel fills. ValueError for a base identifier without room for a set."""
 

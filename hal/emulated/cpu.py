@@ -8,7 +8,7 @@ is due before their work ends.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import SupportsIndex
+from typing import Final, SupportsIndex
 
 from greenlet import getcurrent, greenlet
 
@@ -19,21 +19,21 @@ from hal.emulated.whole_number import whole_number
 from hal.endings import ProcessorReset, SpinError
 from hal.interrupts import LineFigures
 
-INTERRUPT_ENTRY_CYCLES = 12
+INTERRUPT_ENTRY_CYCLES: Final = 12
 """Cortex-M exception entry; taken once for entry and exit together with tail-chaining ignored."""
 
-ACCESS_CYCLES = 12
+ACCESS_CYCLES: Final = 12
 """A read of a peripheral register over the bus matrix, so that polling lets time pass."""
 
-POLL_LIMIT = 5_000_000
+POLL_LIMIT: Final = 5_000_000
 """Register reads in one task without anything else happening: a loop that will not end."""
 
-TRACE_LENGTH = 4000
+TRACE_LENGTH: Final = 4000
 
-THREAD_PRIORITY = 1 << 30
+THREAD_PRIORITY: Final = 1 << 30
 """Less urgent than every line."""
 
-RESET_BIT = 1
+RESET_BIT: Final = 1
 """The reset request, as a line more urgent than all others that nothing can mask."""
 
 
@@ -53,7 +53,10 @@ class EmulatedCpu:
         self.time = time
         self.name = name
         self.frequency_hz = frequency_hz
+        self._round_up = frequency_hz - 1
         self.crystal_error_ppb = crystal_error_ppb
+        self._fast_ppb = max(crystal_error_ppb, 0)
+        self._slow_ppb = max(-crystal_error_ppb, 0)
         self.costs = dict(costs or {})
         self.pending = 0
         self.parked = False
@@ -149,7 +152,10 @@ class EmulatedCpu:
             now = time.now
         if self._boot_ns:
             now -= self._boot_ns
-        return now + now * self.crystal_error_ppb // SECOND
+        whole, rest = now // SECOND, now % SECOND  # so that no product leaves a register
+        if self._fast_ppb:
+            return now + whole * self._fast_ppb + rest * self._fast_ppb // SECOND
+        return now - whole * self._slow_ppb - (rest * self._slow_ppb + SECOND - 1) // SECOND
 
     def clock_at(self, time_ns: int) -> int:
         """What this processor's clock shows at a virtual time (a capture unit's latch, without an access)."""
@@ -177,7 +183,7 @@ class EmulatedCpu:
         """Let the time of `cycles` pass, rounded up to ns; being interrupted makes it longer."""
         time = self.time
         count = cycles if isinstance(cycles, int) else whole_number(cycles, "cycles to spend")
-        end = time.now - (-count * SECOND // self.frequency_hz)
+        end = time.now + (count * SECOND + self._round_up) // self.frequency_hz
         if end < time.limit:
             time.now = end
         else:

@@ -10,14 +10,14 @@ until it is told to.
 
 from __future__ import annotations
 
-from typing import NamedTuple, SupportsIndex
+from typing import Final, NamedTuple, SupportsIndex
 
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.interrupt_line import EmulatedLine, emulated_line
 from hal.emulated.whole_number import whole_number
 from hal.interrupts import InterruptLine
 
-WORD_BYTES = (2, 4)
+WORD_BYTES: Final = (2, 4)
 
 Words = bytes | bytearray | memoryview
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from hal.emulated.virtual_time import FAR
 from hal.interrupts import InterruptLine
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from hal.emulated.cpu import EmulatedCpu
 
 
-NEVER_YET = -1
+NEVER_YET: Final = -1
 
 
 @dataclass(frozen=True)

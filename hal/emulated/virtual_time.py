@@ -7,16 +7,16 @@ it changes the state of hardware, raises interrupts and schedules further events
 
 from collections.abc import Callable
 from heapq import heapify, heappop, heappush, heapreplace
-from typing import Any, SupportsIndex
+from typing import Any, Final, SupportsIndex
 
 from hal.emulated.whole_number import whole_number
 
-SECOND = 1_000_000_000
-FAR = (1 << 62) - 1
+SECOND: Final = 1_000_000_000
+FAR: Final = (1 << 62) - 1
 """A time that is never reached (146 years), and the largest integer that machine code keeps in a register."""
 
-RELEASED = -1
-SENTINELS = 3
+RELEASED: Final = -1
+SENTINELS: Final = 3
 
 Callback = Callable[[], int | None]
 

@@ -47,7 +47,7 @@ def speed(repeats: int, duration_s: float | None, board: str = BOARD) -> dict[st
         "microseconds_per_tick": microseconds,
         "shares_us": shares.of(microseconds),
         "state_hash": sampled.state_hash,
-        "engine": "machine code" if engine.is_compiled() else "interpreted",
+        "engine": engine.description(),
     }
 
 

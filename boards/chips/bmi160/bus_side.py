@@ -8,7 +8,7 @@ bit 7 = read, bits 6 … 0 the register, which then counts up.
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from boards.chips.bmi160.core import Core
 from boards.chips.bmi160.i2c_face import I2cFace
@@ -20,18 +20,18 @@ from boards.chips.world import ImuWorld
 from hal.emulated.spi import SpiChip
 from hal.emulated.virtual_time import VirtualTime
 
-POWER_ON_NS = 10_000_000
+POWER_ON_NS: Final = 10_000_000
 """From power-on to the first register access."""
 
-RESET_NS = 1_000_000
+RESET_NS: Final = 1_000_000
 """Soft reset until the chip answers again."""
 
-FASTEST_BYTE_NS = 800
+FASTEST_BYTE_NS: Final = 800
 """8 bits at 10 MHz."""
 
-_BOTH = (Sensor.GYRO, Sensor.ACCEL)
+_BOTH: Final = (Sensor.GYRO, Sensor.ACCEL)
 
-_UNDRIVEN = 0xFF
+_UNDRIVEN: Final = 0xFF
 """What the bus shows while the chip is not there."""
 
 

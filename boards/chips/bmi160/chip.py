@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Iterator
+from typing import Final
 
 from boards.chips.bmi160.block_kernels import DATA_END, STRIDE
 from boards.chips.bmi160.bus_side import BusSide
@@ -23,9 +24,9 @@ from boards.chips.bmi160.sensor_clock import COUNTER_MASK
 from boards.chips.world import ImuWorld
 from hal.emulated.virtual_time import Event, VirtualTime
 
-_BURST = 0x8C
+_BURST: Final = 0x8C
 """Read from register 0x0C."""
-_BURST_LENGTH = 16
+_BURST_LENGTH: Final = 16
 
 
 class Bmi160(BusSide):

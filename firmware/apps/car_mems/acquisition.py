@@ -9,9 +9,11 @@ from firmware.apps.car_mems.settings import Settings
 from firmware.drivers.bmi160 import Bmi160, Bmi160Config, Outcome
 from hal.board_io import BoardIo
 from hal.interrupts import InterruptLine
+from hal.machine_code import mypyc_attr
 from hal.pins import Edge
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Acquisition:
     """Owns the chip and the line that reads it."""
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Final
+
 from firmware.apps.car_mems.acquisition import Acquisition
 from firmware.apps.car_mems.clock_watch import ClockWatch
 from firmware.apps.car_mems.gnss_port import GnssPort
@@ -10,15 +12,17 @@ from firmware.apps.gnss_ins.announcements import Announcer
 from firmware.apps.gnss_ins.output import Output
 from firmware.drivers.bmi160 import Outcome
 from hal.board_io import BoardIo
+from hal.machine_code import mypyc_attr
 
-RATE_HZ = 10
-WATCHDOG_NS = 2_000_000_000
-SILENT_TICKS = 3
+RATE_HZ: Final = 10
+WATCHDOG_NS: Final = 2_000_000_000
+SILENT_TICKS: Final = 3
 """Ticks without a sample after which the sensor is called silent."""
-START_PAUSE_TICKS = 5
+START_PAUSE_TICKS: Final = 5
 """Between two attempts to bring the sensor up."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Background:
     """What `main` does after set-up, for ever."""
 

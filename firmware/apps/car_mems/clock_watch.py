@@ -6,21 +6,25 @@ dated by their bursts. But a clock that far off is about to fail, and people at 
 
 from __future__ import annotations
 
+from typing import Final
+
 from firmware.apps.car_mems.gnss_port import GnssPort
 from firmware.apps.car_mems.navigation import Navigation
 from firmware.apps.car_mems.sample_clock import NOMINAL_TICK, TICK
 from firmware.apps.car_mems.steps import CLOCK_AT
 from firmware.apps.gnss_ins.output import Output
 from firmware.apps.gnss_ins.pulse_watch import PulseWatch
+from hal.machine_code import mypyc_attr
 
-MILLION = 1_000_000
-BAD_PPM = 10_000
+MILLION: Final = 1_000_000
+BAD_PPM: Final = 10_000
 """1 %: twice what the sensors of this kind are off by."""
-GOOD_PPM = 8_000
-LOOKS = 3
+GOOD_PPM: Final = 8_000
+LOOKS: Final = 3
 """In a row that agree: the loop has settled."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class ClockWatch:
     """Looked at once a second, from the background."""
 

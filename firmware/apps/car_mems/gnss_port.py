@@ -7,6 +7,8 @@ service (background)                  power, configuration
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,11 +19,13 @@ from firmware.drivers import gnss_epoch as gnss
 from firmware.drivers.neo_m8n import Configurator, Phase, ReceiverSetup
 from firmware.drivers.receiver_stream import ReceiverStream
 from hal.board_io import BoardIo
+from hal.machine_code import mypyc_attr
 
-POWER_ON_BAUD = 9600
-FAST_BAUD = 115_200
+POWER_ON_BAUD: Final = 9600
+FAST_BAUD: Final = 115_200
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class GnssPort(ReceiverPort):
     """Owns the receiver and the epoch that waits for the filter."""
 

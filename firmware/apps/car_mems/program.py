@@ -20,6 +20,7 @@ from firmware.apps.car_mems.settings import Settings
 from firmware.apps.gnss_ins.announcements import Announcer
 from firmware.apps.gnss_ins.output import Output
 from hal.board_io import BoardIo
+from hal.machine_code import mypyc_attr
 
 
 def program(io: BoardIo, profile: Mapping[str, Any], installation: Mapping[str, Any]) -> CarMems:
@@ -34,6 +35,7 @@ def raw_loop(
     return RawLoop(profile, installation, captures)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class CarMems:
     """Implements `hal.board_io.Program`."""
 
@@ -85,6 +87,7 @@ class CarMems:
         return self._navigation.memory()
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class NavigationTasks:
     """The chain from a sample to the state: reads make steps, steps make outputs."""
 

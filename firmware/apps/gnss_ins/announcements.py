@@ -6,17 +6,20 @@ later; whether it still stands is in the flags of every solution. Numbers belong
 
 from __future__ import annotations
 
+from typing import Final
+
 from firmware.apps.gnss_ins.output import Output
 from firmware.apps.gnss_ins.parts import Receiver
 from firmware.nav import flags
 from hal.clock import Clock
+from hal.machine_code import mypyc_attr
 
-AGAIN_NS = 10_000_000_000
-BAD_BYTES = 20
+AGAIN_NS: Final = 10_000_000_000
+BAD_BYTES: Final = 20
 """Bytes in one look that made no message, from which on the line is called disturbed."""
-PORT_ERROR_WEIGHT = 10
+PORT_ERROR_WEIGHT: Final = 10
 """Framing errors and overruns in such bytes: a good line has none, a single one may be a spike."""
-GOOD_LOOKS = 3
+GOOD_LOOKS: Final = 3
 """Looks without an error in a row after which the line is called good again."""
 
 ALARMS = {
@@ -35,6 +38,7 @@ ALARMS = {
 }
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Announcer:
     """Looks at what the last output said, and says what is new."""
 

@@ -8,12 +8,17 @@ the navigation filter.
 
 from __future__ import annotations
 
-SECOND_NS = 1_000_000_000
-NOMINAL_LATENCY_NS = 80_000_000
-LONGEST_PULSE_AGE_NS = 1_900_000_000
+from typing import Final
+
+from hal.machine_code import mypyc_attr
+
+SECOND_NS: Final = 1_000_000_000
+NOMINAL_LATENCY_NS: Final = 80_000_000
+LONGEST_PULSE_AGE_NS: Final = 1_900_000_000
 """An edge older than this belongs to another second: the receiver has stopped pulsing."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class GnssTime:
     """Keeps the edges of the time pulse and dates epochs by them."""
 

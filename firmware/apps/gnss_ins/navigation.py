@@ -17,8 +17,10 @@ from firmware.nav.config import NavConfig, configure
 from firmware.nav.flags import NAVIGATING
 from firmware.numerics.dialect import entry_point
 from firmware.numerics.precision import load
+from hal.machine_code import mypyc_attr
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class StateKernels:
     """The compiled code that every program with navigation calls, in the profile's precision."""
 
@@ -32,6 +34,7 @@ class StateKernels:
         self.biases = entry_point(solution.biases)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class NavigationState:
     """State and what is told of it; every method is one kernel call."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import struct
+from typing import Final
 
 from firmware.apps.gnss_ins.own_fix import own_fix
 from firmware.apps.gnss_ins.parts import HostPort, Navigation, Receiver, Sensor
@@ -13,14 +14,16 @@ from firmware.link.solution_output import SolutionOutput
 from firmware.nav import solution as record
 from hal.board_io import BoardIo
 from hal.clock import Clock
+from hal.machine_code import mypyc_attr
 
-LOG_BLOCKS_A_SYNC = 8
-LOG_BLOCK = 4096
-DAY_MS = 86_400_000
-WORD = 0xFFFF_FFFF
-EARLIEST_NS = 0
+LOG_BLOCKS_A_SYNC: Final = 8
+LOG_BLOCK: Final = 4096
+DAY_MS: Final = 86_400_000
+WORD: Final = 0xFFFF_FFFF
+EARLIEST_NS: Final = 0
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Output:
     """Packs and sends; what finds no room on a port is counted and dropped, never waited for."""
 

@@ -5,14 +5,18 @@ Navigation goes on without it, with epochs dated by their bursts; but a line tha
 
 from __future__ import annotations
 
+from typing import Final
+
 from firmware.apps.gnss_ins.output import Output
 from firmware.apps.gnss_ins.parts import Receiver
 from firmware.drivers import gnss_epoch as gnss
+from hal.machine_code import mypyc_attr
 
-LOOKS = 3
+LOOKS: Final = 3
 """Epochs in a row that agree."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class PulseWatch:
     """Looked at once a second or more often, from the background."""
 

@@ -7,15 +7,16 @@ service (background)                  configuration, silence behind a burst
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Final, Protocol
 
 from firmware.apps.gnss_ins.gnss_time import GnssTime
 from firmware.drivers import gnss_epoch as gnss
 from firmware.drivers.receiver_stream import ReceiverStream
 from firmware.drivers.satellite_lists import SatelliteInView
 from hal.board_io import BoardIo
+from hal.machine_code import mypyc_attr
 
-QUIET_LOOKS = 2
+QUIET_LOOKS: Final = 2
 """Looks of the background at a silent port: the silence ends a burst, after that there is nothing to see."""
 
 
@@ -27,6 +28,7 @@ class Configurator(Protocol):
         ...
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class ReceiverPort:
     """Owns the port, the time pulse and the latest epoch. What becomes of an epoch a part says in `_dated`,
     and whether the receiver is set up in `is_running`."""
