@@ -26,6 +26,8 @@ class EmulatedPacketReceiver:
         self.busy_ns = 0
         self.transactions = 0
         """Transfers that ended while it received."""
+        self.bytes = 0
+        """What its DMA has written to memory."""
         self._ring = bytearray()
         self._packet_bytes = 0
         self._line: EmulatedLine | None = None
@@ -56,6 +58,7 @@ class EmulatedPacketReceiver:
         if line is None or start_ns < self._begun_ns:
             return
         self.transactions += 1
+        self.bytes += len(data)
         self.busy_ns += end_ns - start_ns
         ring, count, size = self._ring, self._count, len(self._ring)
         place, length = count % size, len(data)
@@ -86,6 +89,8 @@ class EmulatedPacketSender:
         self.name = name
         self.busy_ns = 0
         self.transactions = 0
+        self.bytes = 0
+        """What its DMA has read from memory."""
         self.refused = 0
         """Packets that found the one before under way."""
         self.disturbances: list[Disturbance] = []
@@ -125,6 +130,7 @@ class EmulatedPacketSender:
         self._event = None
         self.busy_ns += self._end_ns - self._start_ns
         data = self._data
+        self.bytes += len(data)
         for disturb in self.disturbances:
             data = disturb(data)
         if data:
@@ -140,5 +146,6 @@ class EmulatedPacketSender:
         words = len(self._data) // WORD_BYTES
         done = words * (now - self._start_ns) // (self._end_ns - self._start_ns)
         self.busy_ns += now - self._start_ns
+        self.bytes += WORD_BYTES * done
         if done:
             self._receiver.take(self._data[: WORD_BYTES * done], self._start_ns, now)

@@ -42,8 +42,8 @@ def _one_cpu(name: str, cpu: EmulatedCpu, duration_ns: int) -> CpuUse:
 
 
 def bus_use(board: AssembledBoard, duration_ns: int) -> list[BusUse]:
-    """Load of every SPI and I²C bus, UART direction, CAN bus and end of an interconnect; errors as the
-    controllers notice them."""
+    """Load of every SPI and I²C bus, UART direction, CAN bus and end of an interconnect, with the bytes that
+    DMA has moved there; errors as the controllers notice them."""
     buses = [
         BusUse(name, bus.busy_ns / duration_ns, bus.transactions)
         for masters in (board.spi_buses, board.i2c_buses)
@@ -58,7 +58,8 @@ def bus_use(board: AssembledBoard, duration_ns: int) -> list[BusUse]:
         buses.append(BusUse(name, can.busy_ns / duration_ns, can.frames, errors=can.error_frames))
     for name, ends in board.interconnects.items():
         for processor, end in ends.items():
-            buses.append(BusUse(f"{name}.{processor}", end.busy_ns / duration_ns, end.transactions))
+            moved = getattr(end, "bytes", None)
+            buses.append(BusUse(f"{name}.{processor}", end.busy_ns / duration_ns, end.transactions, moved))
     return buses
 
 

@@ -94,6 +94,12 @@ def test_a_receiver_that_is_cut_off_is_flagged_while_it_is() -> None:
     assert not flagged(driven, flags.GNSS_LOST, 23.6, 26.0)
 
 
+def test_both_ends_of_the_packet_link_tell_what_their_dma_moved() -> None:
+    buses = {bus.name: bus for bus in drive("chapter5", "equivalent", "duration_s=50").result.buses}
+    for end in ("packets.fpga", "packets.dsp"):
+        assert buses[end].bytes == 96 * buses[end].transactions
+
+
 def test_samples_are_as_old_as_seven_free_clocks_make_them() -> None:
     metrics = drive("chapter5", "equivalent", "duration_s=50").result.metrics
     period_us = 5_000.0
