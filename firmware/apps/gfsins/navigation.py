@@ -28,7 +28,7 @@ from firmware.nav.gyro_free.filters import (
 )
 from firmware.nav.gyro_free.packet_door import PacketDoor
 
-POSITION_NOISE, HEIGHT_NOISE, VELOCITY_NOISE = 10.0, 10.0, 0.1
+POSITION_NOISE, HEIGHT_NOISE = 10.0, 10.0
 
 
 class Navigation(NavigationState):
@@ -111,7 +111,6 @@ def filter_config(settings: Settings, installation: Mapping[str, Any]) -> Filter
         "sigma_tilt": 0.5 * DEG,
         "sigma_yaw": 1.5 * DEG,
         "position_noise": (POSITION_NOISE, HEIGHT_NOISE),
-        "velocity_noise": VELOCITY_NOISE,
     }
     if settings.feed == "adxl345":
         return adxl345_filters(sensor, settings.reset, **begun)

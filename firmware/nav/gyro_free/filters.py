@@ -235,8 +235,9 @@ def _check(config: FilterConfig) -> None:
 
 def adxl345_filters(sensor: GyroFreeConfig, reset: str = "fusion_feedback", **more: Any) -> FilterConfig:
     """Noise of the filters when rate and force come from accelerometers as noisy as `sensor` says: the rate
-    walks, by (σ_a / l) √Δt per √s, so much that the master must not run on by itself for a second. `more`:
-    any other field of FilterConfig."""
+    walks, by (σ_a / l) √Δt per √s, so much that the master must not run on by itself for a second; nor may it
+    refuse GPS for long, since the compass holds tilt and takes a vehicle that accelerates for one that tilts.
+    `more`: any other field of FilterConfig."""
     period = more.get("sample_period", 0.005)
     walk = sensor.slow_errors * sensor.acceleration_noise / sensor.arm_length * math.sqrt(period)
     fitting = {
@@ -251,5 +252,7 @@ def adxl345_filters(sensor: GyroFreeConfig, reset: str = "fusion_feedback", **mo
         "sigma_velocity": 0.5,
         "sigma_position": 10.0,
         "fusion_period": 0.1,
+        "velocity_noise": 0.3,
+        "reopen_after": (1200, 5),
     }
     return FilterConfig(reset=reset, sensor=sensor, **(fitting | more))
