@@ -1,7 +1,9 @@
 """Whether the seven accelerometers agree, and for how long they have not.
 
-Ten times a second the newest samples are compared (`far_chips`). A chip that has been far off for a second is at
-odds with the others, and no longer after another second of agreement. When more than two are, it is the motion.
+All sit alike on one rigid body, so all feel the same force but for what turning makes at the end of an arm
+(ω² l: 0.06 g at 90°/s, 0.25 m). Ten times a second the newest samples are compared (`agreement_step`). A chip
+that has been far off for a second is at odds with the others, and no longer after another second of
+agreement. When more than two are far off, it is the motion.
 """
 
 from __future__ import annotations
@@ -10,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.apps.gfsins.accelerations import CHIPS
-from firmware.apps.gfsins.far_chips import SIZE, chips_far_off
+from firmware.apps.gfsins.agreement_step import SIZE, chips_far_off
 from firmware.numerics.dialect import entry_point
 
 HOLD = 10
