@@ -17,6 +17,7 @@ from firmware.numerics import dialect
 from firmware.numerics.signature import Signature, parse_signature
 from firmware.numerics.variants import KernelVariant
 
+REPOSITORY = Path(__file__).resolve().parents[2]
 DECORATED = re.compile(r"^@kernel\b", re.MULTILINE)
 
 # Float64 on purpose: stands for `trigonometry` on the PC when float32 is to be judged; never on a target.
@@ -39,12 +40,12 @@ def kernel_modules(package: str = "firmware") -> list[str]:
     """Names of all modules at or below `package` whose source decorates a kernel."""
     names = []
     for module in pkgutil.walk_packages(firmware.__path__, "firmware."):
-        specification = importlib.util.find_spec(module.name)
-        assert specification is not None
-        assert specification.origin is not None, f"{module.name} has no source: an __init__.py is missing"
+        place = module.name.split(".") + ["__init__"] * module.ispkg
+        source = REPOSITORY.joinpath(*place).with_suffix(".py")  # its code may be elsewhere, in the engine
+        assert source.is_file(), f"{module.name} has no source: an __init__.py is missing"
         if module.name in NOT_ON_BOARD or not f"{module.name}.".startswith(f"{package}."):
             continue
-        if DECORATED.search(Path(specification.origin).read_text(encoding="utf-8")):
+        if DECORATED.search(source.read_text(encoding="utf-8")):
             names.append(module.name)
     return names
 
