@@ -163,6 +163,12 @@ class Sense:
                 defect.apply(times_ns, values)
         return values
 
+    def foresee(self, times_ns: Times) -> None:
+        """See `boards.chips.world.CompassWorld`."""
+        foresee = getattr(self._world, "foresee", None)
+        if foresee is not None:
+            foresee(times_ns)
+
     def epoch(self, time_ns: int) -> GnssEpoch:
         """See `boards.chips.world.GnssWorld`."""
         epoch: GnssEpoch = self._world.epoch(time_ns)

@@ -42,6 +42,8 @@ class CompassWorld(Protocol):
 
         Columns: specific force x, y, z in m/s², magnetic flux density x, y, z in T, temperature in °C, in the
         chip's own axes. `times_ns` rises strictly, also from call to call.
+
+        A world may have `foresee(times_ns)`: it is told which instants will be asked for one by one.
         """
         ...
 

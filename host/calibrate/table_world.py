@@ -41,6 +41,8 @@ class SensorOnTable:
 class MountedBoard(SimulatedVehicle):
     """A vehicle that stands, inertial sensors and compass on the table, the antenna outside."""
 
+    looks_ahead = False
+
     def __init__(self, scenario: Scenario, seed: int) -> None:
         super().__init__(scenario, seed)
         rows = self.motion.rows(np.zeros(1, np.int64))

@@ -164,6 +164,8 @@ class FeltRecordedField:
 class RecordedVehicle:
     """Implements `host.sim.world.Vehicle` from a capture that has been read."""
 
+    looks_ahead = False
+
     def __init__(self, scenario: Scenario, capture: RecordedContent, duration_ns: int) -> None:
         self.duration_ns = duration_ns
         self.outages: tuple[Window, ...] = tuple(window(o.start_s, o.duration_s) for o in scenario.outage)

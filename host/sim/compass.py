@@ -11,7 +11,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,6 +91,14 @@ class FeltCompass:
         values[:, 3:6] = self._field.on_board(here) @ self._c_bs + FIELD_NOISE_T * noise[:, 3:]
         values[:, 6] = TEMPERATURE_C
         return values
+
+    def noise(self) -> Any:
+        """All sources of noise as they are now."""
+        return deepcopy((self._noise, self._wrong, self._field.noise))
+
+    def set_noise(self, noise: Any) -> None:
+        """Draw from there on."""
+        self._noise, self._wrong, self._field.noise = noise
 
     def _force(self, times_ns: NDArray[np.int64], here: TruthBatch) -> Array:
         """In body axes."""

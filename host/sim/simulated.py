@@ -36,6 +36,8 @@ Array = NDArray[np.float64]
 class SimulatedVehicle:
     """Everything is a function of the scenario and the seed."""
 
+    looks_ahead = True
+
     def __init__(self, scenario: Scenario, seed: int) -> None:
         self._scenario = scenario
         self._seed = seed

@@ -29,7 +29,7 @@ class VehicleField:
         """`name` of the magnetometer whose noise it has."""
         self._field = field
         self._sigma = MICRO * axes(errors.noise_ut)
-        self._noise = [generator(seed, f"{name}_{axis}.noise") for axis in "xyz"]
+        self.noise = [generator(seed, f"{name}_{axis}.noise") for axis in "xyz"]
         self._soft = np.array(errors.soft_iron)
         drawn = [generator(seed, f"mag_{axis}.hard_iron").standard_normal() for axis in "xyz"]
         self._hard = MICRO * (axes(errors.hard_iron_ut) + axes(errors.hard_iron_error_ut) * np.array(drawn))
@@ -42,7 +42,7 @@ class VehicleField:
         """What iron and noise make of it; to be asked for in order."""
         bent: Floats = true @ self._soft.T + self._hard
         if self._sigma.any():
-            bent += self._sigma * np.column_stack([one.standard_normal(len(true)) for one in self._noise])
+            bent += self._sigma * np.column_stack([one.standard_normal(len(true)) for one in self.noise])
         return bent
 
     def on_board(self, truth: TruthBatch) -> Floats:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from boards.chips.world import CompassWorld, GnssWorld, ImuWorld, TenDofWorld
 from host.sim.compass import FeltCompass
+from host.sim.compass_ahead import CompassAhead
 from host.sim.gnss.faults import glitches_of, refuse_baseline_faults
 from host.sim.gnss.glitched import GlitchedReceiver
 from host.sim.gnss.schedule import Window
@@ -28,6 +29,8 @@ class Vehicle(Protocol):
     """What a simulated and a recorded drive have in common."""
 
     duration_ns: int
+    looks_ahead: bool
+    """Whether its truth may be asked for seconds ahead of the present."""
     outages: tuple[Window, ...]
 
     def imu(self, name: str, mounting: Array, lever_arm: Array, preset: str | None = None) -> ImuWorld:
@@ -56,6 +59,7 @@ class World:
         self.seed = seed
         self._data_dir = data_dir
         self._vehicle: Vehicle = _vehicle(scenario, seed, data_dir)
+        self._ahead: list[CompassAhead] = []
 
     def another(self) -> World:
         """A world like this one, at its beginning."""
@@ -108,7 +112,12 @@ class World:
         """The world of the compass `name` at the vehicle's origin; `mounting` as for `imu`."""
         rotation = np.eye(3) if mounting is None else np.asarray(mounting, dtype=np.float64)
         errors = self.scenario.compass
-        return FeltCompass(self.truth, self._field(name), rotation, self.seed, name, errors)
+        felt = FeltCompass(self.truth, self._field(name), rotation, self.seed, name, errors)
+        if not self._vehicle.looks_ahead:
+            return felt
+        compass = CompassAhead(felt)
+        self._ahead.append(compass)
+        return compass
 
     def ten_dof(
         self,
@@ -146,6 +155,8 @@ class World:
                 " can be put elsewhere, for example in the scenario static"
             )
         self._vehicle.put_down(time_ns, (latitude, longitude, height))
+        for compass in self._ahead:
+            compass.forget()
 
     def truth(self, times_ns: NDArray[np.int64], imu: str | None = None) -> TruthBatch:
         """Truth at the vehicle's origin at rising times; biases of the sensor `imu` (else the first made)."""

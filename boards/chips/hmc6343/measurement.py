@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ RATES_HZ = {0x00: 1, 0x01: 5, 0x02: 10}
 """Of OP mode 2."""
 SECOND = 1_000_000_000
 _LONGEST_BLOCK = 4_096
+FORESEEN_S = 5
 
 _MINIMUM_SPAN = 1_000.0
 """Counts (100 mgauss) that an axis must have seen in a calibration, else its offset stays."""
@@ -28,6 +30,9 @@ class Measurements:
     def __init__(self, world: CompassWorld, error_ppb: int) -> None:
         self._world = world
         self._error_ppb = error_ppb
+        self._foresee: Callable[[NDArray[np.int64]], None] | None = getattr(world, "foresee", None)
+        self._foreseen = 0
+        """Up to this measurement the world knows when it will be asked."""
         self._clock: Oscillator | None = None
         self._done = 0
         self.until_ns = 0
@@ -55,7 +60,7 @@ class Measurements:
         """Measure from `first_ns` on; until then the newest measurement still shows."""
         period = Oscillator(self.rate_hz, 0, self._error_ppb).instant(1)
         self._clock = Oscillator(self.rate_hz, first_ns - period, self._error_ppb)
-        self._done = 0
+        self._done = self._foreseen = 0
         self.until_ns = 0
 
     def set_clock_error(self, time_ns: int, error_ppb: int) -> None:
@@ -65,6 +70,7 @@ class Measurements:
         self.until_ns = 0
         if self._clock is not None:
             self._clock.pull(time_ns, self.rate_hz, error_ppb)
+            self._foreseen = 0
 
     def stop(self, time_ns: int) -> None:
         """No more measurements."""
@@ -90,6 +96,9 @@ class Measurements:
             self._done = max(self._done, tick - self.rows.maxlen)
         while self._done < tick:
             count = min(tick - self._done, _LONGEST_BLOCK)
+            if count == 1 and self._done >= self._foreseen and self._foresee is not None:
+                self._foreseen = self._done + FORESEEN_S * self.rate_hz
+                self._foresee(clock.grid(self._done + 1, 1, FORESEEN_S * self.rate_hz))
             values = self._world.sample(self._instants(clock, count))
             if not self._done:
                 self.rows.clear()  # the filter begins anew

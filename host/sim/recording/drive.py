@@ -30,6 +30,8 @@ Array = NDArray[np.float64]
 class RecordedDrive:
     """Implements `host.sim.world.Vehicle` from a comma2k19 example."""
 
+    looks_ahead = False
+
     def __init__(self, scenario: Scenario, data_dir: Path | None) -> None:
         """ScenarioError when the recording is missing, unreadable or shorter than the scenario."""
         source = scenario.recording
