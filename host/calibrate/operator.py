@@ -129,7 +129,7 @@ class Operator:
             lines = self._until(partial(_asks, answered), "what to do next")
             if lines[0].endswith(("done", "FAILED")):
                 account.done = lines[0].endswith("done")
-                account.lines = self._whole_result(lines)
+                account.lines = self._whole_result()
                 return
             asked = lines[2]
             if TURN_NOW.fullmatch(asked):
@@ -145,9 +145,10 @@ class Operator:
             answered = asked
             self._until(partial(_takes, asked), "that it collects")
 
-    def _whole_result(self, lines: list[str]) -> list[str]:
+    def _whole_result(self) -> list[str]:
         """All of it, line by line below the title."""
-        found = [line for line in lines[1:-1] if line]
+        self._pass(4 * LOOK_NS)  # the rest of the picture
+        found = [line for line in self._panel.lines()[1:-1] if line]
         for _ in range(20):
             self._press("DOWN")
             now = [line for line in self._panel.lines()[1:-1] if line]

@@ -93,14 +93,18 @@ class Calibration:
         """A … E, rad."""
         return self.values(DEVIATION)[:5] or (0.0,) * 5
 
+    @property
+    def force_matrix(self) -> tuple[float, ...]:
+        """Of the three accelerometers at the origin, row by row: their misalignment taken off."""
+        return self.values(ACCELEROMETERS)[FORCE_PLACE:] or IDENTITY
+
     def packet_words(self) -> NDArray[np.int64] | None:
         """What the packets carry of it; None: there is nothing."""
         if self.found is Found.SPOILT:
             return np.array([(0, 0, 0, coefficients.SPOILT)], np.int64)
         if self._store is None or not self._sections:
             return None
-        force = self.values(ACCELEROMETERS)[FORCE_PLACE:] or IDENTITY
-        values = (*self.offset_remainders(), *force, *self.rate_matrix(), *self.deviation)
+        values = (*self.offset_remainders(), *self.force_matrix, *self.rate_matrix(), *self.deviation)
         return coefficients.packet_words(values, self._store.generation)
 
     def rate_matrix(self) -> list[float]:

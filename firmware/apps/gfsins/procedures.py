@@ -231,7 +231,7 @@ class Procedures:
             return "compass missing"
         chips = self._sampling.chips.faults if self.name not in ("compass", "ellipse") else 0
         if chips:
-            return f"chip {(chips & -chips).bit_length()} missing or stuck"
+            return f"chip {(chips & -chips).bit_length()} is missing"
         return ""
 
     def _refuse(self, why: str) -> None:
@@ -270,11 +270,15 @@ class Procedures:
         return [value * scale // NOMINAL_SCALE for value, scale in zip(values, scales, strict=True)]
 
     def _corrected(self, values: list[int]) -> list[int]:
-        """Counts as the packets of acquisition have them, in counts of nominal size."""
+        """Counts of nominal size, without offsets; those at the origin without misalignment."""
         word = round(WORD / COUNT)
         offsets = self._corrections.offsets.tolist()
         scaled = self._scaled(values)
-        return [value - offset * word for value, offset in zip(scaled, offsets, strict=True)]
+        felt = [value - offset * word for value, offset in zip(scaled, offsets, strict=True)]
+        matrix, origin = self._calibration.force_matrix, felt[6:]
+        rows = (matrix[0:3], matrix[3:6], matrix[6:9])
+        aligned = [round(sum(m * x for m, x in zip(row, origin, strict=True))) for row in rows]
+        return [*felt[:6], *aligned]
 
     # -- solving -----------------------------------------------------------------------------------
 
