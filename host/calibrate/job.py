@@ -138,7 +138,8 @@ def _prepared(request: RunRequest, mode: str) -> tuple[Setup, TableWorld]:
             f"scenario {setup.scenario.name}: panel.keys are pressed while a board is calibrated by its keys;"
             " leave them out, as in the scenario turntable"
         )
-    return setup, TableWorld(world.scenario, request.seed)
+    scenario = world.scenario if mode == "settings" else world.scenario.model_copy(update={"fault": []})
+    return setup, TableWorld(scenario, request.seed)
 
 
 def _judged(account: Account, session: RunSession, world: TableWorld, setup: Setup) -> Judged:

@@ -42,7 +42,7 @@ def test_it_turns_by_the_rate_that_it_tells() -> None:
     assert found == pytest.approx(told, abs=5e-5)
     assert np.abs(told).max() == pytest.approx(math.pi, rel=1e-9)
     change = (rows[2:, OMEGA_IB : OMEGA_IB + 3] - rows[:-2, OMEGA_IB : OMEGA_IB + 3]) / 2e-3
-    assert change == pytest.approx(rows[1:-1, OMEGA_DOT : OMEGA_DOT + 3], abs=0.02)
+    assert change == pytest.approx(rows[1:-1, OMEGA_DOT : OMEGA_DOT + 3], abs=0.03)
 
 
 def test_at_rest_it_feels_gravity_and_the_earth() -> None:
