@@ -28,12 +28,10 @@ engine: $(TOOLS)
 	@$(BIN)/python -m hal.engine_build
 
 # What translates the engine comes first: `make -j 2 setup` translates it while all the rest is fetched.
-# (numba is there for what it says about the version of numpy.)
-TRANSLATOR := mypy|setuptools|numpy|numba|types-greenlet
 $(TOOLS): pyproject.toml
 	@test -n "$(PYTHON)" || { echo "navtwin needs Python 3.11 or newer; give one: make PYTHON=/path/to/python3"; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	grep -oE '"($(TRANSLATOR))[<>=][^"]*"' pyproject.toml | sort -u | xargs $(PIP_INSTALL)
+	grep -oE '"(mypy|setuptools)[<>=][^"]*"' pyproject.toml | sort -u | xargs $(PIP_INSTALL)
 	@touch $(TOOLS)
 
 $(STAMP): $(TOOLS)
