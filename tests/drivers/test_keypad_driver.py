@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as some
 
 from boards.chips.ssd1325 import Keypad as KeypadModel
@@ -46,6 +46,7 @@ class Board:
         self.keys.release(key)
 
 
+@settings(deadline=None)
 @given(
     some.lists(
         some.tuples(some.sampled_from(KEYS), some.integers(25, 400), some.integers(25, 80)), max_size=8

@@ -34,7 +34,13 @@ class Desk:
         self.model.pins |= {"DC": data, "RES": reset}
         self.model.wired()
         pins = EmulatedOutputPin(self.cpu, data), EmulatedOutputPin(self.cpu, reset)
-        self.driver = Ssd1325(self.bus.device(self.model, "display"), *pins, self.cpu)
+        device = self.bus.device(self.model, "display")
+        device.observer = self._note
+        self.driver = Ssd1325(device, *pins, self.cpu)
+        self.bytes_sent = 0
+
+    def _note(self, _start_ns: int, _end_ns: int, mosi: bytes | bytearray, _miso: bytes | bytearray) -> None:
+        self.bytes_sent += len(mosi)
 
 
 def test_driver_asks_the_golden_transcript() -> None:
