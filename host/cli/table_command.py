@@ -166,6 +166,9 @@ def federated_command(
     failures: Annotated[
         bool, typer.Option("--failures/--no-failures", help="Also drives on which a sensor fails.")
     ] = True,
+    board: Annotated[
+        bool, typer.Option("--board", help="Also the board itself, on drives on which a sensor fails.")
+    ] = False,
     output: Output = None,
     json: Json = None,
     quiet: Quiet = False,
@@ -178,7 +181,25 @@ def federated_command(
     def command() -> int:
         from host.cli.table_gyro_free_run import show_federated
 
-        return show_federated(duration, seeds, failures, output, json, quiet)
+        return show_federated(duration, seeds, failures, board, output, json, quiet)
+
+    guarded(command, NOTHING_KEPT)
+
+
+@app.command("arms")
+def arms_command(
+    arms: Annotated[str, typer.Option("--arms", metavar="M,M,…", help="Lengths.")] = "0.1,0.25,0.5,1,2",
+    seed: Seed = 1,
+    output: Output = None,
+    json: Json = None,
+    quiet: Quiet = False,
+) -> None:
+    """Arm lengths of gfsins with real accelerometers: rate, attitude, and drives without compass or GPS."""
+
+    def command() -> int:
+        from host.cli.table_arms_run import show_arms
+
+        return show_arms(arms, seed, output, json, quiet)
 
     guarded(command, NOTHING_KEPT)
 

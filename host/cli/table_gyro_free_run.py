@@ -10,7 +10,7 @@ from host.cli.output_files import check_files, for_people, write_json
 from host.cli.terminal import print_section
 from host.record.atomic import write_whole
 from host.record.errors import UserError
-from host.tables import federated_page, rate_page
+from host.tables import board_failures, federated_page, rate_page
 from host.tables.federated_rows import failure_rows, filter_rows
 from host.tables.rate_methods import rate_rows
 
@@ -45,7 +45,13 @@ def show_rates(
 
 
 def show_federated(
-    duration: int, seeds: str, failures: bool, output: Path | None, json_file: str | None, quiet: bool
+    duration: int,
+    seeds: str,
+    failures: bool,
+    board: bool,
+    output: Path | None,
+    json_file: str | None,
+    quiet: bool,
 ) -> int:
     """Returns the exit code. Raises UserError."""
     if not SHORTEST_DRIVE <= duration <= LONGEST_DRIVE:
@@ -60,6 +66,9 @@ def show_federated(
     sections = [federated_page.filter_section(filters, duration, len(chosen))]
     if failed:
         sections.append(federated_page.failure_section(failed))
+    on_board = list(board_failures.board_failure_rows(chosen[0])) if board else []
+    if on_board:
+        sections.append(board_failures.section(on_board))
     console = for_people(json_file)
     if not quiet:
         for one in sections:
@@ -67,11 +76,13 @@ def show_federated(
     if output is not None:
         write_whole(output, federated_page.page(sections, filters), "-o")
         console.print(f"written: {output}", soft_wrap=True)
-    met = all(row.met is not False for row in filters) and all(row.met for row in failed)
+    met = all(row.met is not False for row in filters)
+    met = met and all(row.met for row in failed) and all(row.met for row in on_board)
     about = {"format": FEDERATED_FORMAT, "duration_s": duration, "seeds": list(chosen), "met": met}
     rows = {
         "filters": [federated_page.filter_dict(row) for row in filters],
         "failures": [federated_page.failure_dict(row) for row in failed],
+        "board_failures": [board_failures.to_dict(row) for row in on_board],
     }
     write_json(about | rows, json_file)
     return EXIT_MET if met else EXIT_NOT_MET

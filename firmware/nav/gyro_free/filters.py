@@ -240,7 +240,7 @@ def adxl345_filters(sensor: GyroFreeConfig, reset: str = "fusion_feedback", **mo
     `more`: any other field of FilterConfig."""
     period = more.get("sample_period", 0.005)
     walk = sensor.slow_errors * sensor.acceleration_noise / sensor.arm_length * math.sqrt(period)
-    fitting = {
+    fitting: dict[str, Any] = {
         "rate_noise": 0.1 * DEG,
         "force_noise": sensor.acceleration_noise,
         "rate_walk": walk,
