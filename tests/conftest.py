@@ -15,12 +15,12 @@ settings.register_profile("suite", max_examples=60)
 settings.load_profile("suite")
 
 LONGEST_FIRST = (
-    "dialect", "sim", "nav", "replay", "run", "compare", "campaign", "docs", "serve", "attach", "importers",
-    "dual_antenna", "gfsins", "gyro_free", "drift", "pil", "uav_ahrs",
-    "plugin", "numerics", "chips", "host", "live", "monitor", "waves",
+    "dialect", "sim", "run", "serve", "nav", "live", "replay", "campaign", "compare", "docs", "attach",
+    "importers", "dual_antenna", "gfsins", "gyro_free", "drift", "pil", "uav_ahrs",
+    "plugin", "numerics", "chips", "host", "monitor", "waves",
 )  # fmt: skip
-"""Folders by their time, those that only compute before those that keep pace with a clock while mypy runs
-beside them; all others come after them by name."""
+"""Folders by their time, waiting for clocks included; those that only compute before those that keep pace
+with a clock, while mypy runs beside them; all others come after them by name."""
 
 
 @pytest.hookimpl(optionalhook=True)
