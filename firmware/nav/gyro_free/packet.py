@@ -11,7 +11,7 @@
            stuck or misread                  36-37  UTC time of day, ms      38  date, days since 1980-01-06
     17     flags: 1 compass, 2 GPS,          39     fix quality   40  satellites   41  HDOP, 0.01
            4 height, 8 course                42     age of the epoch at the tick, 0.1 ms
-                                             43-46  0
+                                             43-46  a coefficient of the calibration, or 0
                                              47     CRC-16/CCITT-FALSE of the 94 bytes before
 
 Numbers below zero are two's complement. A slip by a word or a byte shows in sync word, kind and CRC.
