@@ -33,9 +33,11 @@ OFF, ON = 0xAE, 0xAF
 
 SETTINGS: Final = (
     bytes((0xA4,)),  # the memory is shown as it is
-    bytes((0xA0, 0x42)),  # addresses to the right, left pixel in the high half, odd and even rows apart
+    bytes(
+        (0xA0, 0x52)
+    ),  # addresses to the right, left pixel in the high half, common lines from the other end
     bytes((0xA1, 0)),  # first row
-    bytes((0xA2, 0)),  # offset
+    bytes((0xA2, 0x4C)),  # offset, as the panel of 2.7 inch is wired
     bytes((0xA8, HEIGHT - 1)),  # rows driven
     bytes((0x81, 0x60)),  # contrast
     bytes((0x86,)),  # full current

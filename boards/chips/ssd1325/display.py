@@ -1,9 +1,13 @@
 """SSD1325 on SPI: commands with D/C low, picture data with D/C high, and the picture that one would see.
 
 The memory has 80 rows of 64 bytes, two pixels of 4 bits each; a byte goes to the place of the pointer, which
-runs through the window of columns and rows. Re-map (0xA0): bit 0 mirrors columns, bit 1 swaps the two pixels
-of a byte, bit 2 moves down first, bit 4 mirrors the rows that are shown. Left out: current, voltages, timing
-of the panel, the grey table (levels are shown as they are), odd-even split of the rows.
+runs through the window of columns and rows. Re-map (0xA0): bit 0 mirrors the columns (of bytes), bit 1 puts
+the left pixel into the high half, bit 2 moves down first, bit 4 counts the common lines from the other end:
+
+    line k shows row (k + offset + start) mod 80, or row (79 − k + offset + start) mod 80
+
+Row 0 of the glass hangs on line `first_common`, the next on the one before. Left out: current, voltages,
+timing of the panel, the grey table (levels are shown as they are), odd-even split of the rows.
 """
 
 from __future__ import annotations
@@ -22,6 +26,8 @@ WIDTH, HEIGHT = 128, 64
 ROWS, COLUMNS = 80, 64
 FASTEST_BIT_NS = 100
 """10 MHz on the serial interface."""
+FIRST_COMMON = 75
+"""Of Newhaven's panel of 2.7 inch: upright with re-map 0x5X and offset 0x4C. That of Osram's has 63."""
 MIRROR_COLUMNS, SWAP_PIXELS, DOWN_FIRST, MIRROR_ROWS = 1, 2, 4, 16
 BRIGHTEST = 15
 
@@ -47,7 +53,20 @@ class Ssd1325:
     feels = "none"
     spi_modes = (0, 3)
 
-    def __init__(self, time: VirtualTime, *, strict: bool = False, name: str = "ssd1325") -> None:
+    def __init__(
+        self,
+        time: VirtualTime,
+        *,
+        strict: bool = False,
+        name: str = "ssd1325",
+        first_common: int = FIRST_COMMON,
+    ) -> None:
+        """`first_common`: the line on which the uppermost row of the glass hangs. Raises ValueError."""
+        if not 0 <= first_common < ROWS:
+            raise ValueError(
+                f"{name}: first_common = {first_common}; a line is 0 … {ROWS - 1}, for example 75"
+            )
+        self._first_common = first_common
         self.name = name
         self.log = AccessLog(name, strict=strict)
         self.pins: dict[str, InputNet | None] = {"DC": None, "RES": None}
@@ -194,17 +213,15 @@ class Ssd1325:
         if self._mode == cmd.ALL_ON:
             return np.full((HEIGHT, WIDTH), BRIGHTEST, np.uint8)
         pixels = np.empty((ROWS, WIDTH), np.uint8)
-        low, high = self._memory & 0x0F, self._memory >> 4
+        memory = self._memory[:, ::-1] if self._remap & MIRROR_COLUMNS else self._memory
+        low, high = memory & 0x0F, memory >> 4
         first, second = (high, low) if self._remap & SWAP_PIXELS else (low, high)
         pixels[:, 0::2], pixels[:, 1::2] = first, second
-        if self._remap & MIRROR_COLUMNS:
-            pixels = pixels[:, ::-1]
-        lines = (np.arange(self._lines) + self._offset) % self._lines
+        common = self._first_common - np.arange(min(HEIGHT, self._lines))
         if self._remap & MIRROR_ROWS:
-            lines = lines[::-1]
+            common = ROWS - 1 - common
         shown = np.zeros((HEIGHT, WIDTH), np.uint8)
-        count = min(HEIGHT, self._lines)
-        shown[:count] = pixels[(lines[:count] + self._start) % ROWS]
+        shown[: len(common)] = pixels[(common + self._offset + self._start) % ROWS]
         return BRIGHTEST - shown if self._mode == cmd.INVERSE else shown
 
     def as_text(self) -> str:

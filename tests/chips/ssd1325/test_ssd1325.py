@@ -16,6 +16,10 @@ SETTING_UP = bytes(
 """As an Arduino library sets a 128 × 64 panel up."""
 
 
+UPRIGHT = 0x50
+"""Re-map with which libraries have the picture upright, together with the offset 0x4C; left pixel low."""
+
+
 class Rig:
     def __init__(self) -> None:
         self.time = VirtualTime()
@@ -35,7 +39,7 @@ class Rig:
 @pytest.fixture
 def rig() -> Rig:
     made = Rig()
-    made.command(0xA8, 63, 0xAF)
+    made.command(0xA8, 63, 0xA0, UPRIGHT, 0xA2, 0x4C, 0xAF)
     return made
 
 
@@ -54,18 +58,37 @@ def test_a_picture_is_seen_as_it_was_written(rig: Rig) -> None:
     rig.command(0x15, 0, 63, 0x75, 0, 63)
     rig.data(packed.tobytes())
     assert np.array_equal(rig.display.picture(), wanted)
-    rig.command(0xA0, 0x02)
+    rig.command(0xA0, UPRIGHT | 0x02)
     assert np.array_equal(rig.display.picture()[:, 0::2], wanted[:, 1::2])
-    rig.command(0xA0, 0x01)
+    rig.command(0xA0, UPRIGHT | 0x03)
     assert np.array_equal(rig.display.picture(), wanted[:, ::-1])
-    rig.command(0xA0, 0x10)
-    assert np.array_equal(rig.display.picture(), wanted[::-1])
-    rig.command(0xA0, 0x00, 0xA7)
+    rig.command(0xA0, UPRIGHT, 0xA7)
     assert np.array_equal(rig.display.picture(), 15 - wanted)
     rig.command(0xA4, 0xA1, 5)
     assert np.array_equal(rig.display.picture()[:59], wanted[5:])
     rig.command(0xAE)
     assert not rig.display.picture().any()
+
+
+@pytest.mark.parametrize(
+    ("first_common", "upright", "turned", "rows_down"),
+    [(75, (0x52, 0x4C), (0x41, 0x4C), 8), (63, (0x52, 0x40), (0x41, 0x50), 0)],
+)
+def test_two_panels_are_turned_by_half_as_a_library_turns_them(
+    first_common: int, upright: tuple[int, int], turned: tuple[int, int], rows_down: int
+) -> None:
+    """Re-map and offset of two glasses as u8g2 sets them; turned, it draws `rows_down` further down."""
+    made = Rig()
+    made.display = Ssd1325(made.time, first_common=first_common)
+    made.display.pins["DC"] = made.dc
+    wanted = np.random.default_rng(2).integers(0, 16, (64, 128), np.uint8)
+    packed = (wanted[:, 0::2] << 4 | wanted[:, 1::2]).tobytes()
+    made.command(0xA8, 63, 0xA0, upright[0], 0xA2, upright[1], 0xAF, 0x15, 0, 63, 0x75, 0, 63)
+    made.data(packed)
+    assert np.array_equal(made.display.picture(), wanted)
+    made.command(0xA0, turned[0], 0xA2, turned[1], 0x75, rows_down, rows_down + 63)
+    made.data(packed)
+    assert np.array_equal(made.display.picture(), wanted[::-1, ::-1])
 
 
 def test_a_window_is_filled_row_by_row_and_begins_again(rig: Rig) -> None:
@@ -75,7 +98,7 @@ def test_a_window_is_filled_row_by_row_and_begins_again(rig: Rig) -> None:
     assert picture[20, 20:24].tolist() == [5, 5, 2, 2]
     assert picture[21, 20:24].tolist() == [3, 3, 4, 4]
     assert np.count_nonzero(picture) == 8
-    rig.command(0xA0, 0x04, 0x15, 0, 1, 0x75, 0, 1)
+    rig.command(0xA0, UPRIGHT | 0x04, 0x15, 0, 1, 0x75, 0, 1)
     rig.data(bytes((0x01, 0x02, 0x03)))
     assert rig.display.picture()[0:2, [0, 2]].tolist() == [[1, 3], [2, 0]]
 
