@@ -28,7 +28,12 @@ SETTLE_NS = 3 * SECOND // 10
 LONGEST_S = 60.0
 """Until the board asks for the next thing."""
 MOST_REFUSALS = 5
+PATIENCE_NS = SECOND
+"""After a refusal."""
 SPIN_S = 5.0
+ENDS = "done", "FAILED"
+"""Of a procedure, at the end of its title."""
+FIRST_PAGE = "SETTINGS", "! "
 TWELVE = re.compile(r"\d+/\d+ x ([NSEWUD]), y ([NSEWUD]), z ([NSEWUD])")
 TURN = re.compile(r"\d+/\d+ ([xyz]) up ([+-]\d+) deg/s")
 HEADING = re.compile(r"\d+/\d+ heading (\d+)")
@@ -127,9 +132,12 @@ class Operator:
         answered = ""
         while True:
             lines = self._until(partial(_asks, answered), "what to do next")
-            if lines[0].endswith(("done", "FAILED")):
-                account.done = lines[0].endswith("done")
+            if lines[0].endswith(ENDS):
+                account.done = lines[0].endswith(ENDS[0])
                 account.lines = self._whole_result()
+                return
+            if lines[0].startswith(FIRST_PAGE):
+                account.lines = ["the board has begun anew"]
                 return
             asked = lines[2]
             if TURN_NOW.fullmatch(asked):
@@ -139,7 +147,10 @@ class Operator:
             if asked == answered:
                 account.refusals.append(lines[6])
                 if len(account.refusals) > MOST_REFUSALS:
-                    raise UserError(f"the board refuses position {asked!r} again and again: {lines[6]}")
+                    account.lines = [f"given up: {lines[6]}"]
+                    self._press("BACK")
+                    return
+                self._pass(PATIENCE_NS)
             self._bring_into(asked)
             self._press("OK")
             answered = asked
@@ -189,7 +200,7 @@ class Operator:
 
 def _asks(answered: str, lines: list[str]) -> bool:
     """Whether something is to be done: a key, a turn, or the end."""
-    if lines[0].endswith(("done", "FAILED")):
+    if lines[0].endswith(ENDS) or lines[0].startswith(FIRST_PAGE):
         return True
     if TURN_NOW.fullmatch(lines[2]):
         return lines[2] != answered
@@ -198,4 +209,4 @@ def _asks(answered: str, lines: list[str]) -> bool:
 
 def _takes(asked: str, lines: list[str]) -> bool:
     """Whether the key was heard: another prompt, or a refusal."""
-    return lines[2] != asked or bool(lines[6])
+    return lines[2] != asked or bool(lines[6]) or lines[0].startswith(FIRST_PAGE)
