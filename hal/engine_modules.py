@@ -14,6 +14,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "hal.emulated.spi",
         "hal.emulated.timers",
         "hal.emulated.dual_port",
+        "hal.emulated.packet_link",
         "hal.emulated.alarm",
         "hal.emulated.uart_receiver",
         "hal.emulated.uart_wire",
@@ -25,6 +26,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "boards.chips.adxl345.fifo_lane",
         "boards.chips.adxl345.bus_side",
         "boards.chips.adxl345.chip",
+        "boards.chips.equivalent_feed",
     ),
     "firmware": (
         "firmware.drivers.bmi160",
@@ -44,6 +46,11 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "firmware.apps.car_mems.background",
         "firmware.apps.car_mems.gnss_port",
         "firmware.apps.car_mems.clock_watch",
+        "firmware.apps.gfsins.accelerometers",
+        "firmware.apps.gfsins.reception",
+        "firmware.apps.gfsins.equivalent_feed",
+        "firmware.apps.gfsins.flight",
+        "firmware.nav.gyro_free.packet_door",
     ),
 }
 """Time, processor, wires and chips; what boards are programmed with."""

@@ -8,44 +8,37 @@ requests, the answer is zero.
 
 from __future__ import annotations
 
+from typing import ClassVar, Final
+
 import numpy as np
 from numpy.typing import NDArray
 
+from boards.chips.latch_pin import LatchPin
 from boards.chips.world import ImuWorld
 from hal.emulated.pins import Net
+from hal.emulated.spi import SpiChip
 from hal.emulated.virtual_time import VirtualTime
 
-READ = 0x52
-ANSWER = 24
-BANDWIDTH_HZ = 100.0
-USUAL_PERIOD_NS = 5_000_000
-AHEAD = 200
+READ: Final = 0x52
+ANSWER: Final = 24
+BANDWIDTH_HZ: Final = 100.0
+USUAL_PERIOD_NS: Final = 5_000_000
+AHEAD: Final = 200
 """Samples that are asked of the world at once, at the instants where edges are expected."""
-NEAR_NS = 20_000
+NEAR_NS: Final = 20_000
 """An edge within this of an expected instant takes the sample made for it."""
 
 
-class _Pins(dict[str, "Net | None"]):
-    def __init__(self, owner: EquivalentFeed) -> None:
-        super().__init__(LATCH=None)
-        self._owner = owner
-
-    def __setitem__(self, pin: str, net: Net | None) -> None:
-        super().__setitem__(pin, net)
-        if net is not None:
-            net.listen_edge(True, self._owner.latch)
-
-
-class EquivalentFeed:
+class EquivalentFeed(SpiChip):
     """One source."""
 
-    feels = "imu"
+    feels: ClassVar[str] = "imu"
     """The world that it asks."""
-    measures = ("gyro", "accel")
+    measures: ClassVar[tuple[str, ...]] = ("gyro", "accel")
     """Of what the world tells."""
 
     def __init__(self, time: VirtualTime, world: ImuWorld) -> None:
-        self.pins: dict[str, Net | None] = _Pins(self)
+        self.pins: dict[str, Net | None] = LatchPin(self.latch)
         self._time = time
         self._world = world
         self._latched_ns = -1
@@ -67,7 +60,7 @@ class EquivalentFeed:
         """Switch it on or off, now."""
         self._powered = on
 
-    def transaction(self, mosi: bytes | bytearray, _start_ns: int, _end_ns: int) -> bytes:
+    def transaction(self, mosi: bytes | bytearray, start_ns: int, end_ns: int) -> bytes:
         """One chip-select low period; see `hal.emulated.spi.SpiSlave`."""
         length = len(mosi)
         if not self._powered or self._latched_ns < 0 or mosi[0] != READ:

@@ -8,13 +8,14 @@ were whole have come. A reset of the receiver ends reception.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.interrupt_line import EmulatedLine, emulated_line
 from hal.emulated.virtual_time import SECOND, Event
 from hal.interrupts import InterruptLine
 
-WORD_BYTES = 2
+WORD_BYTES: Final = 2
 Disturbance = Callable[[bytes], bytes]
 
 

@@ -7,7 +7,7 @@ set. What breaks a rule is served as if it had not, and reported.
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import ClassVar
+from typing import ClassVar, Final
 
 from boards.chips.adxl345.core import Core
 from boards.chips.adxl345.fifo import BYPASS, POP_NS
@@ -31,20 +31,22 @@ from boards.chips.world import ImuWorld
 from hal.emulated.spi import SpiChip
 from hal.emulated.virtual_time import VirtualTime
 
-FASTEST_BYTE_NS = 1_600
+FASTEST_BYTE_NS: Final = 1_600
 """8 bits at 5 MHz."""
-CS_HIGH_NS = 150
+CS_HIGH_NS: Final = 150
 """Chip select between two transfers."""
 
-_READ, _MULTI, _ADDRESS = 0x80, 0x40, 0x3F
-_UNDRIVEN = 0xFF
+_READ: Final = 0x80
+_MULTI: Final = 0x40
+_ADDRESS: Final = 0x3F
+_UNDRIVEN: Final = 0xFF
 """What a wire shows that the chip does not drive."""
 
-_LOWEST_SPI_HZ_AT_FASTEST = 2_000_000
-_SPI_HZ_PER_RATE_HZ = 500
-_FASTEST_PERIOD_ON_I2C = 4
+_LOWEST_SPI_HZ_AT_FASTEST: Final = 2_000_000
+_SPI_HZ_PER_RATE_HZ: Final = 500
+_FASTEST_PERIOD_ON_I2C: Final = 4
 """Ticks: 800 Hz."""
-_CLOCK_MARGIN = 0.9
+_CLOCK_MARGIN: Final = 0.9
 """A byte's share of the transfer also holds set-up, hold and stalls."""
 
 

@@ -12,6 +12,7 @@ the pin can first change.
 from __future__ import annotations
 
 from bisect import bisect_right
+from typing import Final
 
 from boards.chips.adxl345.bus_side import CS_HIGH_NS, FASTEST_BYTE_NS, BusSide
 from boards.chips.adxl345.fifo import BYPASS, POP_NS
@@ -32,12 +33,12 @@ from boards.chips.adxl345.sample_kernels import STRIDE
 from boards.chips.world import ImuWorld
 from hal.emulated.virtual_time import Event, VirtualTime
 
-_BURST = 0xF2
+_BURST: Final = 0xF2
 """Read, several bytes, from DATAX0 on."""
-_STATUS = 0xB9
+_STATUS: Final = 0xB9
 """Read FIFO_STATUS."""
-_SHORTEST_STATUS_NS = 2 * FASTEST_BYTE_NS
-_PIN_NAMES = ("INT1", "INT2")
+_SHORTEST_STATUS_NS: Final = 2 * FASTEST_BYTE_NS
+_PIN_NAMES: Final = ("INT1", "INT2")
 
 
 class Adxl345(BusSide):

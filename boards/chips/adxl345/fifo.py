@@ -10,16 +10,20 @@ the chip still shows the sample that was read, and counts it.
 from __future__ import annotations
 
 from collections import deque
+from typing import Final
 
 from boards.chips.adxl345.register_map import FIFO_TRIG
 from boards.chips.adxl345.sampler import Sampler
 
-BYPASS, FIFO, STREAM, TRIGGER = 0, 1, 2, 3
+BYPASS: Final = 0
+FIFO: Final = 1
+STREAM: Final = 2
+TRIGGER: Final = 3
 """FIFO_MODE."""
 
-ENTRIES = 32
-CAPACITY = ENTRIES + 1
-POP_NS = 5_000
+ENTRIES: Final = 32
+CAPACITY: Final = ENTRIES + 1
+POP_NS: Final = 5_000
 
 
 class Fifo:

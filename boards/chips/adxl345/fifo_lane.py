@@ -8,11 +8,13 @@ the block, and before it overflows.
 
 from __future__ import annotations
 
+from typing import Final
+
 from boards.chips.adxl345.core import Core
 from boards.chips.adxl345.fifo import BYPASS, ENTRIES, POP_NS
 from boards.chips.adxl345.sample_kernels import STRIDE
 
-MOST_WAITING = ENTRIES - 1
+MOST_WAITING: Final = ENTRIES - 1
 """One more sets the overrun flag."""
 
 

@@ -5,11 +5,13 @@ They run also interpreted (NUMBA_DISABLE_JIT=1) with the same results.
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-STRIDE = 7
+STRIDE: Final = 7
 """Bytes of a sample in a block: a zero (what the bus shows during the address byte), then DATAX0 … DATAZ1."""
 
 

@@ -6,21 +6,23 @@ newest is used; without a new one the one before stands for it, for GRACE_TICKS 
 
 from __future__ import annotations
 
+from typing import Final
+
 from firmware.apps.gfsins.accelerations import CHIPS
 from firmware.drivers.adxl345 import ENTRIES_MASK, FIFO_ENTRIES, Adxl345, Adxl345Config, Outcome, Register
 from firmware.drivers.adxl345_ports import READ, SAMPLE_REQUEST, SpiPort
 from firmware.drivers.adxl345_sample import SAMPLE_LENGTH
 from hal.board_io import BoardIo
 
-RATE_HZ = 200
-RANGE_G = 16
-GRACE_TICKS = 4
+RATE_HZ: Final = 200
+RANGE_G: Final = 16
+GRACE_TICKS: Final = 4
 """Ticks without a sample, or samples all alike, from which a chip counts as missing or stuck."""
-STUCK_SAMPLES = 20
-STATUS_REQUEST = bytearray((READ | Register.FIFO_STATUS, 0))
-BURST_REQUEST = bytearray(SAMPLE_REQUEST)
+STUCK_SAMPLES: Final = 20
+STATUS_REQUEST: Final = bytearray((READ | Register.FIFO_STATUS, 0))
+BURST_REQUEST: Final = bytearray(SAMPLE_REQUEST)
 """Assigning one bytearray to another takes a third of the time of bytes."""
-ALL = (1 << CHIPS) - 1
+ALL: Final = (1 << CHIPS) - 1
 
 
 class Accelerometers:

@@ -7,13 +7,15 @@ byte first.
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
 from hal.spi import SpiDevice
 
-LENGTH = 25
-REQUEST = bytearray((0x52, *bytes(LENGTH - 1)))
+LENGTH: Final = 25
+REQUEST: Final = bytearray((0x52, *bytes(LENGTH - 1)))
 
 
 class EquivalentFeed:

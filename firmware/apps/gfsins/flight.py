@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Final
 
 from firmware.apps.gfsins.acquisition_news import AcquisitionNews
 from firmware.apps.gfsins.alignment import Alignment
@@ -20,8 +21,8 @@ from firmware.nav.gyro_free.filters import Beginning
 from firmware.nav.gyro_free.packet_door import FUSED
 from hal.board_io import BoardIo
 
-SECOND_NS = 1_000_000_000
-LONGEST_GAP_NS = 2 * SECOND_NS
+SECOND_NS: Final = 1_000_000_000
+LONGEST_GAP_NS: Final = 2 * SECOND_NS
 """Without packets; what nine accelerometers make of the rate is worth nothing behind it."""
 
 

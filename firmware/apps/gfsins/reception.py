@@ -7,6 +7,7 @@ most. The FPGA's sync line dates each tick; without it a packet's arrival does.
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Final
 
 import numpy as np
 
@@ -14,14 +15,14 @@ from firmware.nav.gyro_free import packet as pk
 from firmware.numerics.dialect import entry_point
 from hal.board_io import BoardIo
 
-PACKETS_IN_RING = 2
-RING = PACKETS_IN_RING * pk.BYTES
-TICK_TO_PACKET_NS = 560_000
+PACKETS_IN_RING: Final = 2
+RING: Final = PACKETS_IN_RING * pk.BYTES
+TICK_TO_PACKET_NS: Final = 560_000
 """From a tick to the interrupt of its packet."""
-LONGEST_CHAIN_NS = 4_000_000
+LONGEST_CHAIN_NS: Final = 4_000_000
 """An edge of the sync line longer ago is not that of the packet that came."""
-WORD_MASK = 0xFFFF
-NEVER_NS = -(10**15)
+WORD_MASK: Final = 0xFFFF
+NEVER_NS: Final = -(10**15)
 
 
 class Reception:

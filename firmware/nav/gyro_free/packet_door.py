@@ -4,6 +4,8 @@ door = PacketDoor(federation)
 told = door.take(words, felt)      # bits: what was done, see below
 """
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,13 +24,13 @@ from firmware.nav.gyro_free.packet_step import (
 from firmware.nav.gyro_free.steps import compass_step, fusion_step, gps_step
 from firmware.numerics.dialect import entry_point
 
-SAMPLE_USED = USED
-COMPASS_BELIEVED = 2
-GPS_BELIEVED = 4
-FUSED = 8
-NS_PER_AGE = 100_000
-RESTARTED_NS = 1_000_000_000
-UNKNOWN_GAP_NS = 500_000_000
+SAMPLE_USED: Final = USED
+COMPASS_BELIEVED: Final = 2
+GPS_BELIEVED: Final = 4
+FUSED: Final = 8
+NS_PER_AGE: Final = 100_000
+RESTARTED_NS: Final = 1_000_000_000
+UNKNOWN_GAP_NS: Final = 500_000_000
 
 
 class PacketDoor:
