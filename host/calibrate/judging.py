@@ -142,7 +142,7 @@ def judge_rates(account: Account, found: Calibration, true: NineAxes) -> Judged:
 
 def judge_earth_rate(account: Account) -> Judged:
     """It must have been told that it cannot be had."""
-    sigma = next(float(line.split()[1]) for line in account.lines if line.startswith("sigma"))
+    sigma = next(float(line.split()[3]) for line in account.lines if line.startswith("scale"))
     told = "not observable" in account.lines
     judged = Judged(account)
     judged.figures.append(Figure("1 / sigma of the scales", 1.0 / sigma, 1.0 / UNOBSERVABLE))

@@ -19,7 +19,7 @@ def result_lines(name: str, values: Sequence[float]) -> list[str]:
             f"sigma {_mean(values[12:21:4]) * 100.0:.2f} %"
         ]
     if name == "earth-rate":
-        return ["Earth rate: scales", f"sigma {_mean(values[12:21:4]):.3g} x 1", "not observable"]
+        return ["of the Earth's rate", f"scale 1 +- {_mean(values[12:21:4]):.3g}", "not observable"]
     if name == "alignment":
         told = zip(("heading", "pitch", "roll"), values[:3], strict=True)
         return [f"{what} {math.degrees(angle):.1f} deg" for what, angle in told]
