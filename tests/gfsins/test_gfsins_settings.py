@@ -115,6 +115,8 @@ FAULTS = [
     fault("spi-bit-errors", "display", 12.0, 1.0).replace("}", f", parameters = {ON_MOSI} }}"),
     fault("cpu-reset", "fpga", 18.0),
     fault("cpu-reset", "dsp", 22.0),
+    *(fault("cpu-reset", "dsp", 24.5 + 0.9 * k) for k in range(5)),
+    fault("chip-off", "U8", 31.0, 2.0),
 ]
 
 
@@ -123,9 +125,9 @@ def test_faults_are_told_on_the_screen_and_nothing_hangs() -> None:
     with operator.closing:
         title = operator.until(2.9)[0]
         assert title.startswith("SETTINGS")
-        assert operator.until(4.5)[0] == "! chips missing 3"
+        assert operator.until(4.5)[0] == "! no chip 3"
         assert operator.press("OK")[1] == "chips            no 3"
-        assert operator.press("BACK")[0] == "! chips missing 3"
+        assert operator.press("BACK")[0] == "! no chip 3"
         assert operator.until(7.0)[0] == title
         operator.until(8.5)
         assert not operator.panel.picture().any()
@@ -137,9 +139,15 @@ def test_faults_are_told_on_the_screen_and_nothing_hangs() -> None:
         assert operator.until(15.5) == whole
         assert operator.until(20.5)[0] == title
         assert operator.until(24.0)[0] == title
+        assert operator.until(28.5)[0] == "! DSP is silent"
+        assert operator.until(30.5)[0] == title
+        assert operator.until(32.5)[0] == "! no compass"
+        assert operator.press("OK")[2] == "compass       missing"
+        assert operator.press("BACK")[0] == "! no compass"
+        assert operator.until(45.0)[0] == title
         assert operator.press("UP", "OK")[0] == "Leave settings?"
         causes = [[cause for _, cause in cpu.resets] for cpu in operator.session.board.cpus.values()]
-        assert len(causes[0]) == len(causes[1]) == 1
+        assert (len(causes[0]), len(causes[1])) == (1, 6)
         assert all(placed.fired() for placed in operator.session.faults)
 
 

@@ -14,11 +14,13 @@ from firmware.apps.gfsins.accelerometers import Accelerometers
 from firmware.apps.gfsins.compass_line import CompassLine
 from firmware.apps.gfsins.corrections import Corrections
 from firmware.apps.gfsins.receiver_line import ReceiverLine
+from firmware.drivers.hmc6343 import Outcome as CompassOutcome
 from firmware.nav.gyro_free import packet as pk
 from firmware.numerics.dialect import entry_point
 from hal.board_io import BoardIo
 
 TICKS_PER_MEAN = 100
+LOOKS_WITHOUT = 5
 SIGN = 0x8000
 
 
@@ -40,6 +42,7 @@ class Sampling:
         self._raw = np.frombuffer(self.chips.raw, np.uint8)
         self._corrections = corrections
         self._fill = entry_point(fill_accelerations)
+        self._looks = 0
         self._clock = io.clock
         self._cpu = io.cpu
         self._cost = io.cpu.cost("tick")
@@ -70,8 +73,11 @@ class Sampling:
             self._sums[:] = 0
 
     def look(self) -> None:
-        """The compass, and the receiver's set-up."""
-        self.compass.look()
+        """The compass, and the receiver's set-up. A compass that is missing is looked for less often than in
+        acquisition: that takes half a second, in which the operator waits."""
+        self._looks += 1
+        if self.compass.outcome is CompassOutcome.OK or self._looks % LOOKS_WITHOUT == 0:
+            self.compass.look()
         self.receiver.service()
 
     def mend(self) -> None:

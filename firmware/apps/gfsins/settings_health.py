@@ -48,9 +48,11 @@ class SettingsHealth:
         """What an operator must know whatever page he is on: the worst of it."""
         chips = self.sampling.chips
         if chips.missing:
-            return f"chips missing {chip_digits(chips.missing)}"
+            return f"no chip {chip_digits(chips.missing)}"
         if chips.stuck:
-            return f"chips stuck {chip_digits(chips.stuck)}"
+            return f"stuck chip {chip_digits(chips.stuck)}"
+        if self.sampling.compass.outcome is not CompassOutcome.OK:
+            return "no compass"
         if self.dsp_is_silent:
             return "DSP is silent"
         if self.stuck_keys:
