@@ -11,7 +11,7 @@ import pytest
 from firmware.apps.gfsins import calibration as cal
 from firmware.apps.gfsins.calibration import Calibration
 from firmware.apps.gfsins.calibration_store import CalibrationStore, Found
-from firmware.apps.gfsins.coefficients import COUNT, FIRST_WORD, Coefficients
+from firmware.apps.gfsins.coefficients import COUNT, FIRST_WORD, Coefficients, packet_words
 from firmware.apps.gfsins.corrections import Corrections
 from firmware.nav.gyro_free import layout as gl
 from firmware.nav.gyro_free import packet as pk
@@ -164,6 +164,20 @@ def test_coefficients_arrive_whatever_packets_are_lost() -> None:
         counts = (own * force + offset) / (9.80665 / 256.0)
         packet_words = counts * int(words.corrections.scales[k]) / 65536 - int(words.corrections.offsets[k])
         assert packet_words * 0.5e-3 * 9.80665 - g[gl.OFFSET + k] == pytest.approx(force, abs=2e-5)
+
+
+def test_coefficients_of_a_later_calibration_take_the_place_of_those_before() -> None:
+    g, _ = new_sensor(GyroFreeConfig())
+    sensor = Coefficients(g)
+    for generation, value in ((1, 0.25), (2, 0.5)):
+        rows = packet_words([value] * COUNT, generation)
+        taken = []
+        for row in (*rows, *rows):
+            packet = np.zeros(pk.WORDS, np.int64)
+            packet[FIRST_WORD : FIRST_WORD + 4] = row
+            taken.append(sensor.take(packet))
+        assert taken == [False] * (COUNT - 1) + [True] * (COUNT + 1)
+        assert g[gl.COMPASS_DEVIATION + 4] == value
 
 
 def test_new_accelerometers_make_what_was_found_with_the_old_ones_void() -> None:

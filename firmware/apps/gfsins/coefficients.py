@@ -52,10 +52,11 @@ class Coefficients:
         """A packet; False: there are some, and they are not all here yet."""
         which, high, low, last = words[FIRST_WORD : FIRST_WORD + WORDS].tolist()
         self.is_spoilt |= last == SPOILT
-        if self.is_used or not which or last >> 8 != COUNT:
+        if not which or last >> 8 != COUNT or (self.is_used and last == self._last):
             return True
         if last != self._last:
             self._last = last
+            self.is_used = False
             self._found.clear()
         self._found[which - 1] = NUMBER.unpack(HALVES.pack(high, low))[0]
         if len(self._found) < COUNT:
