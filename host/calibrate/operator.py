@@ -28,6 +28,7 @@ SETTLE_NS = 3 * SECOND // 10
 LONGEST_S = 60.0
 """Until the board asks for the next thing."""
 MOST_REFUSALS = 5
+"""Of one position."""
 PATIENCE_NS = SECOND
 """After a refusal."""
 SPIN_S = 5.0
@@ -129,7 +130,7 @@ class Operator:
     # -- a procedure -------------------------------------------------------------------------------
 
     def _work(self, account: Account) -> None:
-        answered = ""
+        answered, in_a_row = "", 0
         while True:
             lines = self._until(partial(_asks, answered), "what to do next")
             if lines[0].endswith(ENDS):
@@ -144,9 +145,10 @@ class Operator:
                 self._turn(asked)
                 answered = asked
                 continue
-            if asked == answered:
+            in_a_row = in_a_row + 1 if asked == answered else 0
+            if in_a_row:
                 account.refusals.append(lines[6])
-                if len(account.refusals) > MOST_REFUSALS:
+                if in_a_row > MOST_REFUSALS:
                     account.lines = [f"given up: {lines[6]}"]
                     self._press("BACK")
                     return
