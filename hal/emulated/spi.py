@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import struct
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 
 from hal.emulated.cpu import EmulatedCpu
 from hal.emulated.spi_wire import Bytes, SpiObserver, SpiSlave, SpiTiming
@@ -94,6 +95,38 @@ class SpiUse:
         self.put = struct.Struct(f"{length}s").pack_into
 
 
+class SpiTape:
+    """An observer that keeps transactions as records of `pack(n)`: start, duration, n and the bytes of both
+    sides. `records` is whoever's it is that takes them; `pairs` holds MOSI of those of two bytes."""
+
+    __slots__ = ("_length", "_pack", "_pack_of", "pairs", "records")
+
+    def __init__(self, pack_of: Callable[[int], Callable[..., bytes]]) -> None:
+        self.records: list[bytes] = []
+        self.pairs: list[bytes] = []
+        self._pack_of = pack_of
+        self._length = -1
+        self._pack = pack_of(0)
+
+    def __call__(self, start_ns: int, end_ns: int, mosi: Bytes, miso: Bytes) -> None:
+        """See `SpiObserver`."""
+        self.take(start_ns, end_ns, mosi, miso)
+
+    def take(self, start_ns: int, end_ns: int, mosi: Bytes, miso: Bytes) -> None:
+        """The same, called without a detour."""
+        length = len(mosi)
+        if length != self._length:
+            self._pack, self._length = self._pack_of(length), length
+        pack = self._pack
+        try:
+            record = pack(start_ns, end_ns - start_ns, length, mosi, miso)
+        except struct.error:  # neither bytes nor bytearray
+            record = pack(start_ns, end_ns - start_ns, length, bytes(mosi), bytes(miso))
+        self.records.append(record)
+        if length == 2:
+            self.pairs.append(bytes(mosi))
+
+
 class EmulatedSpiDevice:
     """One chip select. Implements `hal.spi.SpiDevice`.
 
@@ -104,13 +137,14 @@ class EmulatedSpiDevice:
         "_chip",
         "_cpu",
         "_high_ns",
+        "_observer",
         "_ready_at",
         "_slave",
+        "_tape",
         "_time",
         "_uses",
         "bus",
         "name",
-        "observer",
         "timing",
     )
 
@@ -122,7 +156,9 @@ class EmulatedSpiDevice:
         self._chip: SpiChip | None = None
         """The slave, if it is one of the engine's."""
         self.slave = slave
-        self.observer: SpiObserver | None = None
+        self._observer: SpiObserver | None = None
+        self._tape: SpiTape | None = None
+        """The observer, if it is one of the engine's."""
         self._cpu = bus.cpu
         self._time = bus.cpu.time
         self._uses: list[SpiUse | None] = []
@@ -152,9 +188,13 @@ class EmulatedSpiDevice:
             miso = self._slave.transaction(buffer, start, end)
         if len(miso) != length:
             raise ValueError(f"slave {self.name!r} answered {len(miso)} bytes to a transaction of {length}")
-        observer = self.observer
-        if observer is not None:
-            observer(start, end, buffer, miso)
+        tape = self._tape
+        if tape is not None:
+            tape.take(start, end, buffer, miso)
+        else:
+            observer = self._observer
+            if observer is not None:
+                observer(start, end, buffer, miso)
         if end < time.limit:
             time.now = end
             if self._high_ns:
@@ -175,6 +215,16 @@ class EmulatedSpiDevice:
     def slave(self, slave: SpiSlave) -> None:
         self._slave = slave
         self._chip = slave if isinstance(slave, SpiChip) else None
+
+    @property
+    def observer(self) -> SpiObserver | None:
+        """Told of every transaction as it starts."""
+        return self._observer
+
+    @observer.setter
+    def observer(self, observer: SpiObserver | None) -> None:
+        self._observer = observer
+        self._tape = observer if isinstance(observer, SpiTape) else None
 
     def uses(self) -> list[SpiUse]:
         """Of all lengths that there were."""

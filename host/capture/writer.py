@@ -13,6 +13,7 @@ each hour.
 
 from __future__ import annotations
 
+import functools
 import json
 import struct
 from array import array
@@ -25,6 +26,7 @@ from numpy.typing import NDArray
 
 from hal.emulated.can_bursts import HeardFrame
 from hal.emulated.i2c import I2cObserver, I2cTransfer
+from hal.emulated.spi import SpiTape
 from host.capture.blocks import (
     CAN_SCHEMA,
     ENCODING,
@@ -68,7 +70,7 @@ CAPTURE_FORMAT = "navtwin-capture-4"
 """Of the raw topics; 4 added the rate at which a UART sends, and when clocks began to count."""
 FORMAT_3, FORMAT_2 = "navtwin-capture-3", "navtwin-capture-2"
 """3 had added I²C buses and the senders of CAN frames, 2 pins, marks and exact times of lines into boards."""
-FLUSH_EVERY_NS = 900_000_000
+FLUSH_EVERY_NS = 990_000_000
 IMU_TEXT = "{" + ",".join(f'"{name}":%.{n}f' for name, n in zip(IMU.columns, IMU.decimals, strict=True)) + "}"
 """A row of IMU; all of it are numbers."""
 
@@ -121,27 +123,9 @@ class CaptureWriter:
 
     def spi_recorder(self, bus: str) -> SpiRecorder:
         """`record(start_ns, end_ns, mosi, miso)` for one SPI bus: the observer of a bus, made for speed."""
-        block = self._block(spi_topic(bus), "navtwin.SpiBlock")
-        records: list[bytes] = []
-        pairs: list[bytes] = []
-        self._spi[bus] = block, records, pairs
-        keep = records.append
-        packs: dict[int, Callable[..., bytes]] = {}
-
-        def record(start_ns: int, end_ns: int, mosi: Bytes, miso: Bytes) -> None:
-            n = len(mosi)
-            try:
-                pack = packs[n]
-            except KeyError:
-                pack = packs[n] = struct.Struct(f"{SPI_HEAD.format}{n}s{n}s").pack
-            try:
-                keep(pack(start_ns, end_ns - start_ns, n, mosi, miso))
-            except struct.error:  # neither bytes nor bytearray
-                keep(pack(start_ns, end_ns - start_ns, n, bytes(mosi), bytes(miso)))
-            if n == 2:
-                pairs.append(bytes(mosi))
-
-        return record
+        tape = SpiTape(_spi_record)
+        self._spi[bus] = self._block(spi_topic(bus), "navtwin.SpiBlock"), tape.records, tape.pairs
+        return tape
 
     def i2c_recorder(self, bus: str) -> I2cObserver:
         """`record(transfer)` for one I²C bus."""
@@ -289,3 +273,9 @@ class CaptureWriter:
         if schema not in self._schemas:
             self._schemas[schema] = self._writer.register_schema(schema, schema_encoding, definition)
         return self._writer.register_channel(topic, encoding, self._schemas[schema])
+
+
+@functools.cache
+def _spi_record(length: int) -> Callable[..., bytes]:
+    """Packs the record of a transaction of `length` bytes."""
+    return struct.Struct(f"{SPI_HEAD.format}{length}s{length}s").pack
