@@ -24,7 +24,7 @@ DOUBT_POSITION = np.float32(50.0 * 50.0)
 DOUBT_VELOCITY = np.float32(5.0 * 5.0)
 DOUBT_ATTITUDE = np.float32(0.15 * 0.15)
 DOUBT_RATE = np.float32(0.1 * 0.1)
-"""What a second of doubt adds: m², (m/s)², rad², (rad/s)²."""
+"""What a fusion in doubt adds: m², (m/s)², rad², (rad/s)²."""
 THREE = np.int32(3)
 
 
