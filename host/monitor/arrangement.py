@@ -12,7 +12,7 @@ NARROW = 60
 WIDE, HIGH = 108, 34
 """From so many columns and rows on everything fits."""
 WITH_SKY = 150
-DISPLAY_ROWS, TEXT_ROWS, LEAST_BESIDE = 18, 10, 34
+LEAST_BESIDE = 34
 NARROW_ROWS = {"attitude": 11, "position": 10, "link": 9, "satellites": 10, "events": 6}
 
 Boxes = Mapping[str, Lines]
@@ -29,13 +29,14 @@ def arranged(boxes: Boxes, width: int, height: int, receiver_only: bool) -> Layo
     return _large(boxes, width, height)
 
 
-def with_display(boxes: Boxes, width: int, height: int, display_columns: int) -> Layout:
-    """The board's own display, what it says, and beside it the line where there is room."""
-    if width < display_columns or height < DISPLAY_ROWS:
-        return _column(box("display", boxes["display"], TEXT_ROWS), box("events", boxes["events"]))
-    shown = [box("display", boxes["display"], display_columns)]
-    beside = [box("link and flags", boxes["link"])] if width >= display_columns + LEAST_BESIDE else []
-    return _column(_row(*shown, *beside, size=DISPLAY_ROWS), box("events", boxes["events"]))
+def with_display(boxes: Boxes, width: int, size: tuple[int, int]) -> Layout:
+    """The board's own display, so large (0 columns: as wide as there is room), and what the board says;
+    beside it the line where there is room."""
+    columns, rows = size
+    shown = [box("display", boxes["display"], columns or None)]
+    if columns and width >= columns + LEAST_BESIDE:
+        shown.append(box("link and flags", boxes["link"]))
+    return _column(_row(*shown, size=rows), box("events", boxes["events"]))
 
 
 def _narrow(boxes: Boxes, height: int) -> Layout:

@@ -19,7 +19,7 @@ from firmware.link.frames import SOLUTION
 from host.link.decoder import LinkDecoder
 from host.link.messages import Solution, Status
 from host.monitor.arrangement import Boxes, arranged, with_display
-from host.monitor.display_panel import columns_of, display_lines
+from host.monitor.display_panel import box_size, display_lines
 from host.monitor.health_panels import event_lines, imu_lines, innovation_lines, link_lines, task_lines
 from host.monitor.link_health import LinkHealth
 from host.monitor.listener import Listener
@@ -109,7 +109,7 @@ class MonitorView:
         if self.display is None:
             body = arranged(self._boxes(), width, height - 2, receiver_only)
         else:
-            body = with_display(self._boxes(), width, height - 2, columns_of(self.display))
+            body = with_display(self._boxes(), width, box_size(self.display, width, height - 2))
         root = Layout()
         hint = single(Text(self.hint or " ", "dim"))
         root.split_column(Layout(self._head(width), size=1), body, Layout(hint, size=1))

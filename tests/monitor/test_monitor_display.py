@@ -56,6 +56,12 @@ def test_the_display_is_shown_and_the_terminals_keys_are_the_boards() -> None:
         picture = source._session.panel.picture()  # type: ignore[union-attr]
         assert np.array_equal(dots_of([line[1:65] for line in wide[2:18]]), picture > 7)
         assert "link and flags" in wide[1]
+        large = shown(view, 130, 40)
+        blocks = [[" ▄▀█".index(sign) for sign in line[1:129]] for line in large[2:34]]
+        halves = np.array([[(sign >> 1, sign & 1) for sign in row] for row in blocks])
+        assert np.array_equal(halves.transpose(0, 2, 1).reshape(64, 128), picture > 7)
+        for width, height in ((20, 10), (65, 21), (66, 20), (67, 21), (131, 36), (129, 37), (300, 90)):
+            assert len(shown(view, width, height)) == height
         assert after("down", "\n")[2].startswith("│Scale, offset")
         assert after("\x7f")[2].startswith("│SETTINGS")
         assert after("x", "left")[2].strip("│ ").split() == ["SETTINGS", "2/9"]
