@@ -152,7 +152,7 @@ def _nets_that_tell(board: Board) -> list[str]:
     driven = {(pin.net, pin.processor) for pin in pins if pin.use == "output"}
     heard = {(pin.net, pin.processor) for pin in pins if pin.use != "output"}
     between = {net for net, driver in driven for other, hearer in heard if net == other and driver != hearer}
-    return [*_nets_from_chips(board), *sorted(between)]
+    return list(dict.fromkeys([*_nets_from_chips(board), *sorted(between)]))
 
 
 def _lines_from_chips(board: Board) -> list[str]:
