@@ -94,7 +94,7 @@ def test_a_drive_on_the_chips_own_noise_is_held_by_compass_and_gps() -> None:
     ]
     assert told[198] == SAMPLE_USED
     assert told[199] == SAMPLE_USED | COMPASS_BELIEVED | GPS_BELIEVED | FUSED
-    assert sum(bool(one & FUSED) for one in told) == seconds
+    assert sum(bool(one & FUSED) for one in told) == 10 * seconds
     f, i = federation.master
     assert not federation.n[gl.STATUS : gl.STATUS + 2].any()
     north = (math.degrees(i[at.LATITUDE] * 2.0**-40) - math.degrees(feed.truth[-1, 0])) * 111e3
@@ -105,8 +105,8 @@ def test_a_drive_on_the_chips_own_noise_is_held_by_compass_and_gps() -> None:
     assert yaw == pytest.approx(HEADING, abs=math.radians(3.0))
     roll = math.atan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
     assert abs(roll) < math.radians(2.0)
-    # the rate that the accelerometers give has gone far away meanwhile
-    assert np.max(np.abs(federation.g[gl.INTEGRAL : gl.INTEGRAL + 3])) > math.radians(1.0)
+    # the rate would have gone far away meanwhile, but for what the filters know of it
+    assert np.max(np.abs(federation.g[gl.INTEGRAL : gl.INTEGRAL + 3])) < math.radians(5.0)
 
 
 def test_a_missing_chip_is_no_sample_and_the_past_is_no_packet() -> None:
