@@ -54,9 +54,9 @@ def test_a_place_where_the_receiver_is_not_is_refused() -> None:
 
 
 def test_half_a_place_is_no_place() -> None:
-    with pytest.raises(ValueError, match="begin_longitude_deg is missing beside begin_latitude_deg = 28.2"):
+    with pytest.raises(ValueError, match=r"begin_longitude_deg is missing beside begin_latitude_deg = 28.2"):
         Settings.of({"begin_latitude_deg": 28.2})
-    with pytest.raises(ValueError, match="begin_pitch_deg = 95.0 is no number from -89 to 89"):
+    with pytest.raises(ValueError, match=r"begin_pitch_deg = 95.0 is no number from -89 to 89"):
         Settings.of({"begin_pitch_deg": 95.0})
 
 
