@@ -29,7 +29,7 @@ def disturbed() -> Driven:
 
 def test_chapter_5_is_held() -> None:
     driven = clean()
-    assert driven.said("aligned: heading, pitch, roll 30.3, 0.2, 0.2") == pytest.approx(3.4, abs=0.5)  # as entered
+    assert driven.said("aligned: heading, pitch, roll 30.3, 0.2, 0.2") == pytest.approx(3.4, abs=0.5)
     assert driven.worst("error_yaw_deg", 30.0, 50.0) < 0.5
     assert driven.worst("error_roll_deg", 30.0, 50.0) < 0.3
     assert driven.worst("error_v_north_mps", 30.0, 50.0) < 0.3
