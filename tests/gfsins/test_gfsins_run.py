@@ -36,6 +36,22 @@ def test_chapter_5_is_held() -> None:
     assert driven.worst("error_north_m", 30.0, 50.0) < 10.0
 
 
+def test_both_filters_tell_what_they_take_for_the_state() -> None:
+    data = clean().result.data
+    assert data is not None
+    for which, series in enumerate(data.filters):
+        times = series.column("t_s")
+        assert set(series.column("filter")) == {which}
+        assert 45 <= len(times) <= 48
+        assert times[1:] - times[:-1] == pytest.approx(1.0, abs=0.02)
+        late = times > 30.0
+        assert abs(series.column("error_yaw_deg")[late]).max() < 0.6
+        assert abs(series.column("error_north_m")[late]).max() < 15.0
+        assert (series.column("sigma_north_m")[late] < 10.0).all()
+        assert not series.column("status").any()
+    assert len(data.filters) == 2
+
+
 def test_every_tick_is_a_packet_and_every_deadline_is_met() -> None:
     result = clean().result
     by_name = {cpu.name: cpu for cpu in result.cpu}
