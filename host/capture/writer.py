@@ -70,7 +70,7 @@ CAPTURE_FORMAT = "navtwin-capture-4"
 """Of the raw topics; 4 added the rate at which a UART sends, and when clocks began to count."""
 FORMAT_3, FORMAT_2 = "navtwin-capture-3", "navtwin-capture-2"
 """3 had added I²C buses and the senders of CAN frames, 2 pins, marks and exact times of lines into boards."""
-FLUSH_EVERY_NS = 990_000_000
+FLUSH_EVERY_NS = 900_000_000
 IMU_TEXT = "{" + ",".join(f'"{name}":%.{n}f' for name, n in zip(IMU.columns, IMU.decimals, strict=True)) + "}"
 """A row of IMU; all of it are numbers."""
 
