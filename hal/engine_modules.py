@@ -47,6 +47,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "firmware.apps.car_mems.gnss_port",
         "firmware.apps.car_mems.clock_watch",
         "firmware.apps.gfsins.accelerometers",
+        "firmware.apps.gfsins.acquisition",
         "firmware.apps.gfsins.reception",
         "firmware.apps.gfsins.equivalent_feed",
         "firmware.apps.gfsins.flight",

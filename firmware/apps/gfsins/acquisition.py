@@ -8,6 +8,8 @@ main          compass and set-up of the receiver, chips that went missing, watch
 
 from __future__ import annotations
 
+from typing import Final
+
 import numpy as np
 
 from firmware.apps.gfsins import commands
@@ -25,10 +27,10 @@ from firmware.nav.gyro_free import packet as pk
 from firmware.numerics.dialect import entry_point
 from hal.board_io import BoardIo
 
-LOOKS_PER_S = 10
-TICKS_PER_LOOK = TICKS_PER_S // LOOKS_PER_S
-WATCHDOG_NS = 4_000_000_000
-COMPASS_OUTCOMES = tuple(CompassOutcome)
+LOOKS_PER_S: Final = 10
+TICKS_PER_LOOK: Final = TICKS_PER_S // LOOKS_PER_S
+WATCHDOG_NS: Final = 4_000_000_000
+COMPASS_OUTCOMES: Final = tuple(CompassOutcome)
 
 
 class Acquisition:

@@ -88,7 +88,7 @@ class Flight:
     def _take(self) -> None:
         words = self._reception.words
         self._navigation.samples_missed = self._reception.lost
-        flags, tick_ns = int(words[pk.FLAGS]), self._reception.tick_ns
+        flags, tick_ns = self._reception.numbers[pk.FLAGS], self._reception.tick_ns
         if flags:
             self._note(flags, tick_ns)
         gap_ns, self._tick_ns = tick_ns - self._tick_ns, tick_ns

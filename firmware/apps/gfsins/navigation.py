@@ -40,6 +40,8 @@ class Navigation(NavigationState):
         f, i = self.federation.master
         super().__init__(kernels, NavConfig(), f.size, i.size)
         self.f, self.i = f, i
+        self._numbers, self._integers = f.data, i.data
+        """The same memory: a number of it in a fifth of the time."""
         self.door = PacketDoor(self.federation)
         self.flags_of: Callable[[int], int] | None = None
         """Flags of a solution from those of the master, which has no measurements of its own."""
@@ -66,8 +68,7 @@ class Navigation(NavigationState):
     @property
     def has_state(self) -> bool:
         """Whether the master navigates on numbers."""
-        velocity: float = self.f[layout.VELOCITY]
-        return int(self.i[layout.MODE]) >= NAVIGATING and math.isfinite(velocity)
+        return self._integers[layout.MODE] >= NAVIGATING and math.isfinite(self._numbers[layout.VELOCITY])
 
     def begin_again(self, tick_ns: int) -> bool:
         """The master has lost its state: all begin with that of a filter that has not. False: none has."""

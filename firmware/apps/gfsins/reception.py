@@ -57,6 +57,8 @@ class Reception:
         self._ring = bytearray(RING)
         self._data = np.zeros(pk.BYTES, np.uint8)
         self._view = self._data.data
+        self.numbers = self.words.data
+        """The same memory as `words`: a number of it in a fifth of the time."""
         self._memory = self.words.data.cast("B")
         self._taken = 0
         self._sequence = -1

@@ -40,6 +40,11 @@ class PacketDoor:
         self.epoch = np.zeros(gnss.RECORD_SIZE, np.int64)
         """The GPS part of the last packet that had one."""
         self._federation = federation
+        self._counts = federation.n.data
+        """The same memory: a number of it in a fifth of the time."""
+        self._words = np.zeros(pk.WORDS, np.int64)
+        self._numbers = self._words.data
+        """Of the array of words that came last, the same way."""
         self._arrived_ns: int | None = None
         self._all = federation.all
         self._inertial = entry_point(packet_step)
@@ -57,8 +62,9 @@ class PacketDoor:
         """
         federation = self._federation
         g, n = federation.g, federation.n
-        t = _tick_ns(words) + int(n[gl.TICK_OFFSET])
-        if t < int(n[gl.TICK]) - RESTARTED_NS:
+        counts = self._counts
+        t = self._tick_ns(words) + counts[gl.TICK_OFFSET]
+        if t < counts[gl.TICK] - RESTARTED_NS:
             lost = UNKNOWN_GAP_NS
             if arrived_ns is not None and self._arrived_ns is not None:
                 lost = max(arrived_ns - self._arrived_ns, int(n[gl.TICK_NS]))
@@ -81,8 +87,9 @@ class PacketDoor:
             done |= FUSED * self._fuse(g, n, *self._all)
         return done
 
-
-def _tick_ns(words: NDArray[np.int64]) -> int:
-    high, middle, low = words[pk.TIME : pk.TIME + 3].tolist()
-    tick_us: int = (high << 32) | (middle << 16) | low
-    return tick_us * 1000
+    def _tick_ns(self, words: NDArray[np.int64]) -> int:
+        """Of the packet."""
+        if words is not self._words:
+            self._words, self._numbers = words, words.data
+        told = self._numbers
+        return ((told[pk.TIME] << 32) | (told[pk.TIME + 1] << 16) | told[pk.TIME + 2]) * 1000
