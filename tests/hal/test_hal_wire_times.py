@@ -192,3 +192,26 @@ def test_uart_pieces_queued_back_to_back_are_not_rounded_twice(baud: int, length
     ends = [sum(lengths[: n + 1]) * 10 * SECOND // baud for n in range(len(lengths))]
     assert [at for at, _ in far_end.chunks] == ends
     assert wire.idle_from == ends[-1]
+
+
+@pytest.mark.parametrize("observed", [False, True])
+@pytest.mark.parametrize("at_ns", [150_000, 195_000, 290_000, 480_000, 565_000])
+def test_i2c_interrupt_that_outlasts_the_wire_never_turns_time_back(at_ns: int, observed: bool) -> None:
+    """Two bytes written (290 µs), two read (570 µs in all at 100 kHz), a handler of 2 ms somewhere within."""
+    cpu = processor("urgent")
+    bus = EmulatedI2cBus(cpu, 100_000)
+    bus.attach(0x19, RegisterSlave())
+    bus.observer = (lambda _done: None) if observed else None
+    left: list[int] = []
+
+    def handler() -> None:
+        cpu.spend(140_000)
+        left.append(cpu.time.now)
+
+    cpu.attach("urgent", handler)
+    cpu.time.at(at_ns, cpu.lines["urgent"].request)
+    bus.transaction(0x19, b"\x01\x02", 2)
+    assert left
+    assert cpu.time.now == max(580_000, left[0])
+    cpu.delay(300_000)
+    assert cpu.time.now == max(580_000, left[0]) + 300_000
