@@ -163,8 +163,8 @@ class EmulatedI2cBus:
                 self.observer(done)
 
     def _quick(self, slave: I2cSlave, address: int, write: bytes, read_length: int) -> bytes:
-        """The usual transaction that nobody watches: the same as `_run`, in one piece. An interrupt that takes
-        longer than what is left on the wire leaves `now` behind its end."""
+        """The usual transaction that nobody watches: the same as `_run`, in one piece. An interrupt may
+        outlast what is left on the wire: then `now` lies behind its end."""
         cpu, time = self._cpu, self._cpu.time
         start = end = time.now
         lengths = (len(write), read_length)
