@@ -107,6 +107,7 @@ def test_the_ordinary_indexed_reader_opens_it_with_valid_json_schemas(tmp_path):
                 "/bias",
                 "/sensor",
                 "/clock",
+                "/filter",
                 "/event",
                 "/recorded",
                 "/fix/solution",
