@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from firmware.apps.gfsins import calibration as store
 from firmware.apps.gfsins.accelerations import NOMINAL_SCALE
 from firmware.apps.gfsins.calibration import Calibration
+from firmware.apps.gfsins.corrections import WORD
 from host.calibrate.operator import ALIGNED_AT, Account
 from host.calibrate.table_world import TableWorld
 from host.calibrate.true_errors import AXES, NineAxes, directions, shown_headings
@@ -111,7 +112,7 @@ def judge_accelerometers(account: Account, found: Calibration, true: NineAxes, g
 def corrected_reads(reads: Array, found: Calibration) -> Array:
     """As packets have them, and the DSP after it has taken off what whole words leave."""
     scales = found.corrections.scales / NOMINAL_SCALE
-    offsets = found.corrections.offsets * store.WORD
+    offsets = found.corrections.offsets * WORD
     remainders = np.array(found.offset_remainders())
     return np.asarray(reads * scales - offsets - remainders)
 

@@ -188,3 +188,43 @@ def test_new_accelerometers_make_what_was_found_with_the_old_ones_void() -> None
     assert held.keep({cal.ACCELEROMETERS: accelerometers()})
     assert held.rate_matrix()[0] == 1.0
     assert held.values(cal.RATES) == ()
+
+
+def test_a_memory_that_is_worn_out_leaves_all_as_it_was() -> None:
+    memory = flash()
+    held = Calibration(memory, Corrections())
+    held.load()
+    assert held.keep({cal.ACCELEROMETERS: accelerometers()})
+    before = held.corrections.scales.tolist(), held.corrections.offsets.tolist()
+    memory.failed = True
+    rest = {cal.ALIGNMENT: (0.1, 0.0, 0.0, *[0.1] * 6)}
+    for _ in range(2):
+        assert not held.keep(rest)
+        assert (held.corrections.scales.tolist(), held.corrections.offsets.tolist()) == before
+        assert held.values(cal.ALIGNMENT) == ()
+    memory.failed = False
+    assert held.keep(rest)
+    assert held.corrections.offsets[0] == before[1][0] + 20
+
+
+@pytest.mark.parametrize(("response", "offset_mg", "fits"), [(0.8690, 0, 0), (0.8700, 0, 1), (0.9, 370, 0)])
+def test_nothing_is_kept_of_what_cannot_be_corrected(response: float, offset_mg: float, fits: int) -> None:
+    """A scale of 1.15 and 400 mg at most, of what is divided by the response."""
+    held = Calibration(flash(), Corrections())
+    held.load()
+    axes = [(response, 0.0, 0.0, offset_mg * 9.80665e-3, 1e-4, 1e-3)] * 9
+    found = {cal.ACCELEROMETERS: (*(x for axis in axes for x in axis), *cal.IDENTITY)}
+    assert held.can_correct(found) == held.keep(found) == bool(fits)
+    assert (held.corrections.scales.tolist() == [512_000] * 9) == (not fits)
+    assert bool(held.values(cal.ACCELEROMETERS)) == bool(fits)
+
+
+def test_rates_within_five_sigmas_stay_nominal_beside_calibrated_accelerometers() -> None:
+    held = Calibration(flash(), Corrections())
+    held.load()
+    rates = (1.04, 0.0, 0.0, 0.0, 1.06, 0.0, 0.0, 0.0, 1.02, *[0.0] * 3, *[0.01] * 12)
+    assert held.keep({cal.RATES: rates})
+    assert held.rate_matrix()[0::4] == pytest.approx([1.04, 1.06, 1.0])
+    assert held.keep({cal.ACCELEROMETERS: accelerometers()})
+    assert held.keep({cal.RATES: rates})
+    assert held.rate_matrix()[0::4] == pytest.approx([1.0, 1.06, 1.0])

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from firmware.apps.gfsins import coefficients
 from firmware.apps.gfsins.accelerations import NOMINAL_SCALE
 from firmware.apps.gfsins.calibration_store import CalibrationStore, Found, Sections
-from firmware.apps.gfsins.corrections import AXES, Corrections
+from firmware.apps.gfsins.corrections import AXES, LARGEST_OFFSET, WORD, Corrections, correction_of
 from hal.flash import FlashMemory
 
 CORRECTIONS, ACCELEROMETERS, RATES, DEVIATION, ELLIPSE, ALIGNMENT = range(1, 7)
@@ -29,10 +29,11 @@ SIZES: Final = {ACCELEROMETERS: FORCE_PLACE + 9, RATES: 24, DEVIATION: 10, ELLIP
 and of the offset; then the matrix of the three at the origin. Rates: matrix, bias, σ of the response (9) and
 of the offset (3). Deviation: A … E and their σ (rad). Ellipse: soft iron xx, xy, yy, hard iron x, y (counts).
 Alignment: yaw, pitch, roll (rad), six offsets (m/s²)."""
-WORD: Final = 0.5e-3 * 9.80665
-"""m/s² of a word of the packet."""
 IDENTITY: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
 SIGNIFICANT: Final = 3.0
+SIGNIFICANT_BESIDE: Final = 5.0
+"""The same where the accelerometers are calibrated: they tell the rates' scale to some 0.2 %, and of nine
+elements one that is wrong by 3 σ of a dozen turns is no rarity."""
 WHOLE: Final = Struct(f">{2 * AXES}i")
 
 
@@ -60,21 +61,30 @@ class Calibration:
             self._sections = {}
             self._nominal()
 
+    def can_correct(self, found: Mapping[int, Sequence[float]]) -> bool:
+        """Whether `corrections` have room for what a procedure has found."""
+        return self._scales_and_offsets(found) is not None
+
     def keep(self, found: Mapping[int, Sequence[float]]) -> bool:
-        """Take over what a procedure has found, and what `corrections` hold now. False: not in flash."""
+        """Take over what a procedure has found, and what `corrections` hold now. False: it is beyond what can
+        be corrected, or not in flash, and all is as it was."""
+        wanted = self._scales_and_offsets(found)
+        if wanted is None:
+            return False
+        held = self.corrections
+        before = held.scales.copy(), held.offsets.copy(), dict(self._sections)
+        held.scales[:], held.offsets[:] = wanted
         if ACCELEROMETERS in found:
             for stale in (RATES, ALIGNMENT):
                 self._sections.pop(stale, None)
-            self._correct(found[ACCELEROMETERS])
         if DEVIATION in found:
             self._sections.pop(ELLIPSE, None)
-        if ALIGNMENT in found:
-            for k, offset in enumerate(found[ALIGNMENT][3:]):
-                now = int(self.corrections.offsets[k])
-                self.corrections.set_offset(k, now + round(offset / WORD))
         for tag, values in found.items():
             self._sections[tag] = Struct(f">{len(values)}f").pack(*values)
-        return self.keep_corrections()
+        if self.keep_corrections():
+            return True
+        held.scales[:], held.offsets[:], self._sections = before
+        return False
 
     def keep_corrections(self) -> bool:
         """Into flash as they are."""
@@ -108,11 +118,11 @@ class Calibration:
         return coefficients.packet_words(values, self._store.generation)
 
     def rate_matrix(self) -> list[float]:
-        """Of the rates, row by row; elements within SIGNIFICANT σ of the nominal ones stay nominal, since
-        the accelerometers' own calibration tells them better."""
+        """Of the rates, row by row; elements that are not significantly off the nominal ones stay nominal."""
         found, matrix = self.values(RATES), list(IDENTITY)
+        significant = SIGNIFICANT_BESIDE if ACCELEROMETERS in self._sections else SIGNIFICANT
         for k, sigma in enumerate(found[12:21]):
-            if abs(found[k] - IDENTITY[k]) > SIGNIFICANT * sigma:
+            if abs(found[k] - IDENTITY[k]) > significant * sigma:
                 matrix[k] = found[k]
         return matrix
 
@@ -126,12 +136,19 @@ class Calibration:
             left[k] = rest * WORD if abs(rest) <= 0.5 else 0.0
         return left
 
-    def _correct(self, found: Sequence[float]) -> None:
-        """Scale 1/h and offset b/h of y = h f + b."""
-        for k in range(AXES):
-            response, offset = found[6 * k], found[6 * k + 3]
-            self.corrections.set_scale(k, round(NOMINAL_SCALE / response))
-            self.corrections.set_offset(k, round(offset / response / WORD))
+    def _scales_and_offsets(self, found: Mapping[int, Sequence[float]]) -> tuple[list[int], list[int]] | None:
+        """Of `corrections`, with what was found; None: one of them is beyond the limits."""
+        scales, offsets = self.corrections.scales.tolist(), self.corrections.offsets.tolist()
+        if ACCELEROMETERS in found:
+            axes = found[ACCELEROMETERS]
+            made = [correction_of(axes[6 * k], axes[6 * k + 3]) for k in range(AXES)]
+            if None in made:
+                return None
+            scales, offsets = map(list, zip(*filter(None, made), strict=True))
+        if ALIGNMENT in found:
+            for k, offset in enumerate(found[ALIGNMENT][3:]):
+                offsets[k] += round(offset / WORD)
+        return None if max(map(abs, offsets)) > LARGEST_OFFSET else (scales, offsets)
 
     def _nominal(self) -> None:
         for k in range(AXES):

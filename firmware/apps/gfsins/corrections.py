@@ -18,6 +18,16 @@ LEAST_SCALE: Final = NOMINAL_SCALE * 85 // 100
 LARGEST_SCALE: Final = NOMINAL_SCALE * 115 // 100
 LARGEST_OFFSET: Final = 800
 """0.4 g."""
+WORD: Final = 0.5e-3 * 9.80665
+"""m/s² of a word of the packet."""
+
+
+def correction_of(response: float, offset: float) -> tuple[int, int] | None:
+    """Scale 1/h and offset b/h of an accelerometer that reads h f + b (m/s²); None: beyond the limits."""
+    if not response > 0.0:
+        return None
+    scale, words = round(NOMINAL_SCALE / response), round(offset / response / WORD)
+    return (scale, words) if LEAST_SCALE <= scale <= LARGEST_SCALE and abs(words) <= LARGEST_OFFSET else None
 
 
 class Corrections:

@@ -63,7 +63,8 @@ def axis_page(axis: int, calibration: Calibration, sampling: Sampling) -> Choice
     def nominal(menu: Menu) -> None:
         corrections.set_scale(axis, NOMINAL_SCALE)
         corrections.set_offset(axis, 0)
-        calibration.keep_corrections()
+        if not calibration.keep_corrections():
+            menu.open(Choice(NOT_KEPT, [Item(lambda: "nominal until reset", Menu.back)]))
 
     def reading() -> str:
         return two_ends("reads", f"{sampling.means[axis] / WORDS_PER_G:+.3f} g")

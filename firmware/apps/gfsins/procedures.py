@@ -25,10 +25,10 @@ from firmware.apps.gfsins.calibration import (
     DEVIATION,
     ELLIPSE,
     RATES,
-    WORD,
     Calibration,
 )
 from firmware.apps.gfsins.collecting import AXES, AtRest, Readings, Turn, counts
+from firmware.apps.gfsins.corrections import WORD
 from firmware.apps.gfsins.result_words import result_lines
 from firmware.apps.gfsins.sampling import Sampling
 from firmware.apps.gfsins.settings_packet import POSITION_VALUES
@@ -223,7 +223,7 @@ class Procedures:
             return
         self._readings.take((*reading[:3], *field[:2]))
         if self._readings.spread(0) > LARGEST_SPREAD:
-            self._refuse("moved: take again")
+            self._refuse("heading not steady")
 
     def _missing(self) -> str:
         """A sensor without which there is nothing to collect."""
@@ -300,8 +300,11 @@ class Procedures:
         if self.name == "accelerometers" and not self._place()[2]:
             lines.append("no fix: standard g")
         if found:
+            if not self._calibration.can_correct(found):
+                self._fail("beyond the limits")
+                return
             if not self._calibration.keep(found):
-                self._fail("flash does not keep it")
+                self._fail("flash doesn't keep it")
                 return
             lines.append(STORED)
         self.result_lines = [line[:LINE] for line in lines]
