@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from boards.chips.world import CompassWorld, GnssWorld, ImuWorld, TenDofWorld
-from boards.description import Board, Chip, Flash, Processor
+from boards.description import Board, Chip, Flash, I2cCommands, Processor
 from boards.interconnects import Ends, build, ends_of
 from boards.machine import Machine
 from boards.sense import Sense
@@ -93,6 +93,20 @@ class AssembledBoard:
         """Of each packet link the master's end."""
         ends = ((name, end) for name, ends in self.interconnects.items() for end in ends.values())
         return {name: end for name, end in ends if isinstance(end, EmulatedPacketSender)}
+
+    @property
+    def i2c_lines(self) -> dict[str, EmulatedI2cBus]:
+        """Every pair of I²C lines: those of chips and those between processors."""
+        ends = ((name, end) for name, ends in self.interconnects.items() for end in ends.values())
+        return self.i2c_buses | {name: end for name, end in ends if isinstance(end, EmulatedI2cBus)}
+
+    @property
+    def i2c_targets(self) -> dict[str, tuple[EmulatedI2cBus, int]]:
+        """Line and address of every slave: chips by the firmware's name, processors by the interconnect's."""
+        joints = self.description.interconnects.items()
+        commands = {name: joint.address for name, joint in joints if isinstance(joint, I2cCommands)}
+        lines = self.i2c_lines
+        return self.i2c_devices | {name: (lines[name], address) for name, address in commands.items()}
 
     @property
     def time(self) -> VirtualTime:

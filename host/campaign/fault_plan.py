@@ -56,7 +56,9 @@ def strikes(board: Board, at_s: float, duration_s: float, only: Sequence[str] = 
     for kind in (kind for kind in kinds if not only or kind in only):
         at_once = kind in AT_ONCE
         for target in TARGETS[kind](board):
-            yield Strike(kind, target, at_s, None if at_once else duration_s, PARAMETERS.get(kind, ()))
+            rare = kind == "i2c-bit-errors" and target in _command_channels(board)
+            parameters = ONCE_A_SECOND if rare else PARAMETERS.get(kind, ())
+            yield Strike(kind, target, at_s, None if at_once else duration_s, parameters)
 
 
 def possible(plan: Plan, wanted: Iterable[Strike]) -> tuple[list[Strike], list[tuple[Strike, str]]]:
@@ -127,16 +129,22 @@ def _clocked(board: Board) -> list[str]:
     return [refdes for refdes, chip in board.chips.items() if chip.uart is not None or refdes in sampling]
 
 
+def _command_channels(board: Board) -> list[str]:
+    return [name for name, joint in board.interconnects.items() if joint.kind == "i2c-commands"]
+
+
 def _i2c_devices(board: Board) -> list[str]:
-    return [
+    """Slaves: chips, and processors that take commands."""
+    chips = [
         chip.name or refdes
         for refdes, chip in board.chips.items()
         if chip.bus is not None and board.buses[chip.bus].kind == "i2c"
     ]
+    return chips + _command_channels(board)
 
 
 def _i2c_buses(board: Board) -> list[str]:
-    return [name for name, bus in board.buses.items() if bus.kind == "i2c"]
+    return [name for name, bus in board.buses.items() if bus.kind == "i2c"] + _command_channels(board)
 
 
 def _nets_from_chips(board: Board) -> list[str]:
@@ -235,3 +243,5 @@ PARAMETERS: dict[str, tuple[tuple[str, float], ...]] = {
     BASELINE_JUMP: (("heading_deg", 5.0),),
     "uart-garbage": (("length", 20_000),),
 }
+ONCE_A_SECOND = (("probability", 0.02),)
+"""For a channel on which a dozen bytes go once a second."""

@@ -11,10 +11,10 @@
 | spi-frozen | SPI device | every request gets the answer that it got first |
 | spi-swapped | SPI device | with: the device whose chip has its wires; "" the next of its part |
 | spi-byte-loss, spi-byte-duplication | SPI device | probability a byte of the answer |
-| i2c-nack | I²C device | byte = −1: the address is refused; 0, 1, …: from that byte on |
-| i2c-bit-errors | I²C device | probability a bit, line = "read" or "write" |
-| i2c-clock-stretch | I²C device | hold_ms: the clock is held low so long |
-| i2c-stuck | I²C bus | line = "sda" or "scl", level |
+| i2c-nack | I²C device or command channel | byte = −1: the address is refused; 0, 1, …: from that byte on |
+| i2c-bit-errors | the same | probability a bit, line = "read" or "write" |
+| i2c-clock-stretch | the same | hold_ms: the clock is held low so long |
+| i2c-stuck | I²C bus or command channel | line = "sda" or "scl", level |
 | uart-… | UART | line = "rx": into the processor, "tx": out of it |
 | can-disturbance | CAN bus | no frame gets through |
 | packet-loss, packet-word-slip | packet link | probability a packet |
@@ -124,7 +124,7 @@ def _on_i2c(kind: type[wire_faults.I2cFault], **defaults: Any) -> Maker:
         if "probability" in defaults:
             options |= site.stream
         fault = kind(site.start, site.end, **options)
-        fault.install(*site.of(site.board.i2c_devices, "I2C device"))
+        fault.install(*site.of(site.board.i2c_targets, "I2C device"))
         return Effect(lambda: fault.fired, fault.lift)
 
     return place
@@ -132,7 +132,7 @@ def _on_i2c(kind: type[wire_faults.I2cFault], **defaults: Any) -> Maker:
 
 def _stick_i2c(site: Site) -> Effect:
     fault = wire_faults.I2cStuckLine(site.start, site.end, **site.parameters(line="sda", level=False))
-    fault.install(site.of(site.board.i2c_buses, "I2C bus"))
+    fault.install(site.of(site.board.i2c_lines, "I2C bus"))
     return Effect(lambda: fault.fired, fault.lift)
 
 

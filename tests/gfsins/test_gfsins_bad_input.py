@@ -12,9 +12,11 @@ from firmware.nav import flags
 FAULTS = (
     fault("sensor-turned", "U3", 15.0, 3.0, axis='"x"'),
     fault("spi-frozen", "accelerometer2", 24.0, 3.0),
+    fault("i2c-bit-errors", "commands", 28.5, 3.2, probability=0.3),
     fault("pin-stuck", "SYNC", 32.0, 3.0, level="true"),
     fault("chip-busy", "U8", 38.0, 3.0, nack="true"),
     fault("packet-loss", "packets", 50.0, 3.0),
+    fault("i2c-stuck", "commands", 55.5, 3.2),
     fault("spi-swapped", "accelerometer1", 67.0, 0.3, **{"with": '"accelerometer4"'}),
 )
 
@@ -53,6 +55,15 @@ def test_answers_that_no_longer_change_are_a_stuck_chip() -> None:
     assert 27.0 < driven.said("accelerometer 2 no longer stuck", 24.0) < 28.3
     assert flagged(driven, flags.IMU_STUCK, 25.5, 27.0)
     assert not flagged(driven, flags.IMU_STUCK, 28.6, 32.0)
+
+
+@pytest.mark.parametrize(("from_s", "to_s"), [(28.5, 31.7), (55.5, 58.7)])
+def test_a_command_channel_that_spoils_or_hangs_is_told_and_nothing_else(from_s: float, to_s: float) -> None:
+    driven = struck()
+    assert from_s + 2.0 < driven.said("acquisition answers no command", from_s) < to_s
+    assert to_s < driven.said("acquisition answers commands again", from_s) < to_s + 1.2
+    told = [text for at_s, text in driven.words() if from_s < at_s < to_s]
+    assert [text for text in told if text.startswith(("accelerometer", "compass:", "receiver"))] == []
 
 
 def test_without_sync_line_packets_date_the_ticks() -> None:

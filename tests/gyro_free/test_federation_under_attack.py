@@ -116,3 +116,22 @@ def test_a_rate_that_jumps_by_6_degrees_per_second_is_found(reset: str) -> None:
 
 def test_the_drive_is_where_chapter_5_is() -> None:
     assert FEED.truth[0, 0] == pytest.approx(LATITUDE, abs=1e-5)
+
+
+@pytest.mark.parametrize("reset", gl.RESET_NAMES)
+def test_doubt_grows_with_time_and_not_with_fusions(reset: str) -> None:
+    """A second of contradiction by both sensors makes the master as uncertain in one fusion as in ten."""
+    doubted = []
+    for fusions in (1, 10):
+        config = FilterConfig(reset=reset, fusion_period=1.0 / fusions)
+        federation = new_federation(config)
+        begin(federation, config, FEED.start)
+        n, (f, _) = federation.n, federation.master
+        n[gl.STATUS : gl.STATUS + 2] = gl.ISOLATED
+        n[gl.ISOLATED_BY : gl.ISOLATED_BY + 2] = gl.CONTRADICTED
+        before = f[at.D + at.X_POSITION]
+        for _ in range(fusions):
+            steps.fusion_step(federation.g, n, *federation.all)
+        doubted.append(f[at.D + at.X_POSITION] - before)
+    assert doubted[1] == pytest.approx(doubted[0], rel=0.01)
+    assert doubted[0] > 1000.0

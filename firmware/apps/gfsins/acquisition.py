@@ -102,7 +102,7 @@ class Acquisition:
 
     def _status(self) -> bytes:
         chips, receiver = self._chips, self._receiver
-        return commands.STATUS.pack(
+        return commands.pack_status(
             commands.MARK,
             self._starts,
             chips.missing,

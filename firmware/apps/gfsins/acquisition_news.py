@@ -41,21 +41,22 @@ class AcquisitionNews:
         self._phase = 0
 
     def ask(self) -> None:
-        """Read its status; takes 1 ms."""
+        """Read its status; takes 1.1 ms. One that is spoilt is none."""
         try:
-            data = self._bus.transaction(commands.ADDRESS, b"", commands.STATUS.size)
+            data = self._bus.transaction(commands.ADDRESS, b"", commands.STATUS_BYTES)
         except BusError:
             self.unanswered += 1
             return
-        mark, starts, *chips, compass, phase, port_errors, unsent = commands.STATUS.unpack(data)
-        self.unanswered = 0 if mark in MARKS else self.unanswered + 1
-        if not self.unanswered:
-            self.in_settings = mark == commands.SETTINGS_MARK
-            self.missing, self.stuck, self.at_odds = chips
-            self.starts, self.compass = starts, compass
-            self._phase, self.port_errors, self.unsent = phase, port_errors, unsent
-            if self.in_settings:
-                self._tell_presence()
+        told = commands.open_status(data)
+        if told is None or told[0] not in MARKS:
+            self.unanswered += 1
+            return
+        self.unanswered = 0
+        mark, self.starts, self.missing, self.stuck, self.at_odds, *rest = told
+        self.compass, self._phase, self.port_errors, self.unsent = rest
+        self.in_settings = mark == commands.SETTINGS_MARK
+        if self.in_settings:
+            self._tell_presence()
 
     def _tell_presence(self) -> None:
         """An operator at the FPGA wants to know whether anybody solves."""

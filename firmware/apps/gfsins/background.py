@@ -15,6 +15,7 @@ from hal.board_io import BoardIo
 
 RATE_HZ = 10
 WATCHDOG_NS = 2_000_000_000
+LONGEST_WAIT_NS = 50_000_000
 AGES_EVERY = 600
 """Looks from one report of the age of data to the next."""
 
@@ -62,6 +63,7 @@ class Background:
             io.cpu.spend(self._cost)
             if done % RATE_HZ == 0:
                 self._news.ask()
+                self._wait_for_solution()
                 self._output.send_slow()
                 self._filters.send()
                 self._announcer.look_at_line()
@@ -72,6 +74,14 @@ class Background:
             self._solver.look()
             if done % AGES_EVERY == 0:
                 self._tell_ages()
+
+    def _wait_for_solution(self) -> None:
+        """What goes to the host once a second holds its line for some 30 ms: it goes behind a solution, so
+        that none is behind it. Without packets there is none to wait for."""
+        io = self._io
+        latest_ns = io.clock.now_ns() + LONGEST_WAIT_NS
+        while self._flight.is_solution_near and io.clock.now_ns() < latest_ns:
+            io.cpu.wait_for_interrupt()
 
     def _on_tick(self) -> None:
         self._ticks += 1

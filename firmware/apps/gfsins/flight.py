@@ -22,6 +22,8 @@ from firmware.nav.gyro_free.packet_door import FUSED
 from hal.board_io import BoardIo
 
 SECOND_NS: Final = 1_000_000_000
+SLOW_FRAMES_TICKS: Final = 8
+"""What goes to the host once a second holds its line for less than that."""
 LONGEST_GAP_NS: Final = 2 * SECOND_NS
 """Without packets; what nine accelerometers make of the rate is worth nothing behind it."""
 
@@ -80,6 +82,12 @@ class Flight:
         self._entered = settings.entered
         self._ticks_per_output = settings.ticks_per_output
         self._ticks = 0
+
+    @property
+    def is_solution_near(self) -> bool:
+        """Whether the next solution would have to wait for slow frames that went to the host now."""
+        near = min(SLOW_FRAMES_TICKS, self._ticks_per_output - 1)
+        return self.is_aligned and self._ticks_per_output - self._ticks <= near
 
     def begin(self) -> None:
         """Take packets from now on."""

@@ -64,7 +64,7 @@ class SettingsHealth:
     def status(self, starts: int) -> bytes:
         """As in acquisition mode, with another mark."""
         chips, receiver = self.sampling.chips, self.sampling.receiver
-        return commands.STATUS.pack(
+        return commands.pack_status(
             commands.SETTINGS_MARK,
             starts,
             chips.missing,

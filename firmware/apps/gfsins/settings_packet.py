@@ -17,11 +17,8 @@ from enum import IntEnum
 from struct import Struct
 from typing import Final
 
-import numpy as np
-
-from firmware.link.crc import crc16
+from firmware.apps.gfsins.commands import SUM, check_sum
 from firmware.nav.gyro_free import packet as pk
-from firmware.numerics.dialect import entry_point
 
 KIND: Final = 0x4753
 ANSWER: Final = 0x20
@@ -33,7 +30,6 @@ MOST_ANSWERED: Final = 12
 LARGEST: Final = (1 << 31) - 1
 WORDS: Final = Struct(f">{pk.WORDS}H")
 HEAD: Final = Struct(">BHBB")
-SUM: Final = Struct(">H")
 SYNC: Final = int(pk.SYNC_WORD)
 
 
@@ -120,12 +116,6 @@ def open_answer(data: bytes) -> Answer | None:
     if kind != ANSWER or result not in set(Result) or len(told) != 4 * count:
         return None
     return Answer(number, Result(result), Struct(f">{count}f").unpack(told))
-
-
-def check_sum(data: bytes) -> int:
-    """CRC-16 as in the packets."""
-    found: int = entry_point(crc16)(np.frombuffer(bytearray(data), np.uint8), 0, len(data))
-    return found
 
 
 def _signed(value: int) -> int:

@@ -15,6 +15,7 @@ from firmware.nav import layout as at
 from firmware.nav.covariance import add_variance, is_sound
 from firmware.nav.flags import NAVIGATING
 from firmware.nav.gyro_free import layout as gl
+from firmware.nav.history import seconds_between
 from firmware.nav.restart import state_is_sound
 from firmware.numerics.dialect import kernel
 
@@ -24,7 +25,7 @@ DOUBT_POSITION = np.float32(50.0 * 50.0)
 DOUBT_VELOCITY = np.float32(5.0 * 5.0)
 DOUBT_ATTITUDE = np.float32(0.15 * 0.15)
 DOUBT_RATE = np.float32(0.1 * 0.1)
-"""What a fusion in doubt adds: m², (m/s)², rad², (rad/s)²."""
+"""What a second in doubt adds: m², (m/s)², rad², (rad/s)²."""
 THREE = np.int32(3)
 
 
@@ -118,15 +119,17 @@ def reopen(g, n, fm):
 
 @kernel
 def doubt_inertial(n, fm):
-    """Both sensors are contradicted: it is the inertial state that is wrong, and becomes uncertain."""
+    """Both sensors are contradicted: it is the inertial state that is wrong, and becomes uncertain; each
+    fusion adds its part of a second's doubt."""
     both = n[gl.STATUS] == gl.ISOLATED and n[gl.STATUS + 1] == gl.ISOLATED
     if not both or (n[gl.ISOLATED_BY] == gl.SILENT and n[gl.ISOLATED_BY + 1] == gl.SILENT):
         return
+    second = seconds_between(ZERO, n[gl.FUSION_NS])
     for k in range(THREE):
-        add_variance(fm, at.X_POSITION + k, DOUBT_POSITION)
-        add_variance(fm, at.X_VELOCITY + k, DOUBT_VELOCITY)
-        add_variance(fm, at.X_ATTITUDE + k, DOUBT_ATTITUDE)
-        add_variance(fm, at.X_GYRO_BIAS + k, DOUBT_RATE)
+        add_variance(fm, at.X_POSITION + k, DOUBT_POSITION * second)
+        add_variance(fm, at.X_VELOCITY + k, DOUBT_VELOCITY * second)
+        add_variance(fm, at.X_ATTITUDE + k, DOUBT_ATTITUDE * second)
+        add_variance(fm, at.X_GYRO_BIAS + k, DOUBT_RATE * second)
 
 
 @kernel
