@@ -85,7 +85,7 @@ def draw_chapter(curves: list[Curves], name: str) -> None:
 
 def draw_arms(rows: list[dict[str, Any]], name: str) -> None:
     """What the table of arms tells."""
-    figure, shown = plt.subplots(figsize=(7.0, 4.2))
+    figure, shown = plt.subplots(figsize=(9.5, 4.2))
     arms = [row["arm_m"] for row in rows]
     lines = (
         ("heading_without_compass_deg", "heading after 10 s without compass, °"),
@@ -100,7 +100,7 @@ def draw_arms(rows: list[dict[str, Any]], name: str) -> None:
     shown.set_xticks(arms, [f"{arm:g}" for arm in arms])
     shown.set_xlabel("arm, m")
     shown.grid(color="#e6e9ee")
-    shown.legend(fontsize=7, loc="upper right")
+    shown.legend(fontsize=8, loc="center left", bbox_to_anchor=(1.02, 0.5))
     _save(figure, name)
 
 
