@@ -168,12 +168,12 @@ def _gravity(world: TableWorld) -> float:
 def _power_up(request: RunRequest, heading_deg: int, content: bytes) -> PowerUp:
     errors: list[float] = []
     loaded = False
-    for held in (None, content):
+    blank = b"\xff" * len(content)
+    for held in (blank, content):
         setup, world = _prepared(request, "acquisition")
         world.table.turn_to(level(math.radians(heading_deg) + world.declination), 0)
         with session_in_world(request, setup, world, manifest_of(request, setup)) as session:
-            if held is not None:
-                session.board.flash[FLASH].load(held)
+            session.board.flash[FLASH].load(held)
             session.run_until(round(POWER_UP_S * SECOND))
             texts = _texts(session)
         told = next((match for match in map(ALIGNED.search, texts) if match), None)

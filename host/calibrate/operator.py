@@ -130,9 +130,9 @@ class Operator:
     # -- a procedure -------------------------------------------------------------------------------
 
     def _work(self, account: Account) -> None:
-        answered, in_a_row = "", 0
+        answered, turned, in_a_row = "", "", 0
         while True:
-            lines = self._until(partial(_asks, answered), "what to do next")
+            lines = self._until(partial(_asks, turned), "what to do next")
             if lines[0].endswith(ENDS):
                 account.done = lines[0].endswith(ENDS[0])
                 account.lines = self._whole_result()
@@ -143,8 +143,9 @@ class Operator:
             asked = lines[2]
             if TURN_NOW.fullmatch(asked):
                 self._turn(asked)
-                answered = asked
+                turned = asked
                 continue
+            turned = ""
             in_a_row = in_a_row + 1 if asked == answered else 0
             if in_a_row:
                 account.refusals.append(lines[6])
@@ -200,12 +201,12 @@ class Operator:
         self._world.table.spin(axis, math.radians(int(told.group(1))), SPIN_S, self._session.now_ns)
 
 
-def _asks(answered: str, lines: list[str]) -> bool:
-    """Whether something is to be done: a key, a turn, or the end."""
+def _asks(turned: str, lines: list[str]) -> bool:
+    """Whether something is to be done: a key, another turn than the last, or the end."""
     if lines[0].endswith(ENDS) or lines[0].startswith(FIRST_PAGE):
         return True
     if TURN_NOW.fullmatch(lines[2]):
-        return lines[2] != answered
+        return lines[2] != turned
     return "OK: it stands so" in lines[7]
 
 
