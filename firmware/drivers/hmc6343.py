@@ -3,6 +3,7 @@
     start       wait for power-up, identify, bring the EEPROM to the settings, orientation, run mode
     read        heading, pitch and roll into `raw` (1 ms of waiting for the response)
     check       still there, still running, right way up?
+    check_promptness    the same, and whether an answer is there when it should be
     begin_calibration, end_calibration      around the turns that the fact sheet tells (section 5)
 
 Every command is followed by its delay (section 3). The EEPROM is written only where it differs; the part
@@ -26,6 +27,8 @@ from hal.i2c import I2cBus
 ADDRESS: Final = 0x19
 POWER_UP_NS: Final = 500_000_000
 """After the supply and after a reset (section 3)."""
+LATE_POST_NS: Final = 20_000_000
+"""What a part that is late gets instead of POST_NS."""
 POST_NS, COMMAND_NS, EEPROM_NS = 1_000_000, 300_000, 10_000_000
 EXIT_CALIBRATION_NS: Final = 50_000_000
 SLEEP_NS, WAKE_NS = 1_000_000, 20_000_000
@@ -63,6 +66,7 @@ class Outcome(Enum):
     WRONG_CHIP = "not an HMC6343 at its factory address"
     NOT_CONFIGURED = "the EEPROM does not hold what was written"
     NOT_RUNNING = "not in run mode, or another orientation"
+    LATE = "answers late"
 
 
 EEPROM_ADDRESS, OP_MODE_1, OP_MODE_2, DEVIATION, VARIATION, FILTER = 0x00, 0x04, 0x05, 0x0A, 0x0C, 0x14
@@ -127,6 +131,7 @@ class Hmc6343:
         """The byte that made the last call fail."""
         self._bus = bus
         self._cpu = cpu
+        self._post_ns = POST_NS
         self._response = bytearray(RESPONSE_LENGTH)
         self.raw: NDArray[np.uint8] = np.frombuffer(self._response, np.uint8)
 
@@ -140,6 +145,7 @@ class Hmc6343:
 
     def start(self) -> Outcome:
         """Bring the part up; takes 0.6 s, and 0.5 s more when its EEPROM had to be changed."""
+        self._post_ns = POST_NS
         self._cpu.delay(POWER_UP_NS)
         self._command(WAKE_NS, Command.WAKE)
         found = self.identify()
@@ -167,15 +173,32 @@ class Hmc6343:
         if mode is None:
             return Outcome.ABSENT
         self.detail = mode[0]
-        wanted = self.config.op_mode
-        alike = (mode[0] ^ wanted) & (FILTER_BIT | RUN_BIT | STANDBY_BIT | ORIENTATION_MASK) == 0
-        return Outcome.OK if alike else Outcome.NOT_RUNNING
+        return Outcome.OK if self._is_running(mode[0]) else Outcome.NOT_RUNNING
+
+    def check_promptness(self) -> Outcome:
+        """Behind a `read`. A part that takes longer than its delay answers with what it was asked before: it
+        is LATE, and `read` waits LATE_POST_NS from then on, until the part is prompt again. Takes 1.5 ms, 45 ms
+        when it is late; what is later than LATE_POST_NS does not run."""
+        mode = self._ask(POST_NS, 1, Command.POST_OP_MODE)
+        if mode is not None and self._is_running(mode[0]):
+            self._post_ns = POST_NS
+            return Outcome.OK
+        if mode is not None and mode[0] == self._response[0]:
+            self._post_ns = LATE_POST_NS
+        self._cpu.delay(LATE_POST_NS)
+        mode = self._ask(LATE_POST_NS, 1, Command.POST_OP_MODE)
+        if mode is None:
+            return Outcome.ABSENT
+        self.detail = mode[0]
+        if not self._is_running(mode[0]):
+            return Outcome.NOT_RUNNING
+        return Outcome.OK if self._post_ns == POST_NS else Outcome.LATE
 
     def read(self) -> bool:
         """Heading, pitch, roll into `raw`; False when nobody acknowledged."""
         try:
             self._bus.transaction(ADDRESS, HEADING_REQUEST)
-            self._cpu.delay(POST_NS)
+            self._cpu.delay(self._post_ns)
             self._response[:] = self._bus.transaction(ADDRESS, b"", RESPONSE_LENGTH)
         except BusError:
             return False
@@ -203,6 +226,10 @@ class Hmc6343:
     def sleep(self) -> bool:
         """The analogue part off; `start` wakes."""
         return self._command(SLEEP_NS, Command.SLEEP)
+
+    def _is_running(self, mode: int) -> bool:
+        mask = FILTER_BIT | RUN_BIT | STANDBY_BIT | ORIENTATION_MASK
+        return (mode ^ self.config.op_mode) & mask == 0
 
     def _eeprom(self, address: int) -> int | None:
         data = self._ask(EEPROM_NS, 1, Command.READ_EEPROM, address)

@@ -15,6 +15,7 @@ FAULTS = (
     fault("i2c-bit-errors", "commands", 28.5, 3.2, probability=0.3),
     fault("pin-stuck", "SYNC", 32.0, 3.0, level="true"),
     fault("chip-busy", "U8", 38.0, 3.0, nack="true"),
+    fault("chip-busy", "U8", 45.5, 2.5),
     fault("packet-loss", "packets", 50.0, 3.0),
     fault("i2c-stuck", "commands", 55.5, 3.2),
     fault("spi-swapped", "accelerometer1", 67.0, 0.3, **{"with": '"accelerometer4"'}),
@@ -79,6 +80,15 @@ def test_a_compass_within_its_delay_is_told() -> None:
     assert flagged(driven, flags.ATTITUDE_LOST, 40.3, 41.0)
     assert driven.said("compass: ok", 41.0) < 45.0
     assert not flagged(driven, flags.ATTITUDE_LOST, 46.0, 50.0)
+
+
+def test_a_compass_that_gives_the_answer_before_is_told_and_waited_for() -> None:
+    driven = struck()
+    assert 45.5 < driven.said("compass: answers late", 45.5) < 48.0
+    assert 48.0 < driven.said("compass: ok", 46.0) < 50.1
+    (early,) = (event.text for event in driven.result.events if "read within the delay" in event.text)
+    times = int(early.removesuffix(" times").rsplit(" ", 1)[1])
+    assert 5 <= times <= 14, "of 25 readings in 2.5 s"
 
 
 def test_after_a_pause_of_packets_the_board_aligns_again() -> None:

@@ -1,4 +1,7 @@
-"""The HMC6343 at the FPGA: asked ten times a second from the background, since a reading takes 2 ms."""
+"""The HMC6343 at the FPGA: asked ten times a second from the background, since a reading takes 2 ms.
+
+Once a second it is looked whether it answers in time: one that is late gives readings 0.1 s old, as if new.
+"""
 
 from __future__ import annotations
 
@@ -27,6 +30,11 @@ class CompassLine:
         self._bad = 0
         self._waiting: tuple[int, int, int, int] | None = None
 
+    @property
+    def works(self) -> bool:
+        """Whether there are readings to be had."""
+        return self.outcome in (Outcome.OK, Outcome.LATE)
+
     def start(self) -> None:
         """Takes 0.6 s, or 1.1 s."""
         self.outcome = self._driver.start()
@@ -35,7 +43,7 @@ class CompassLine:
     def look(self) -> None:
         """From the background, ten times a second."""
         self._looks += 1
-        if self.outcome is not Outcome.OK:
+        if not self.works:
             if self._looks % RETRY_LOOKS == 0:
                 self.start()
             return
@@ -49,7 +57,15 @@ class CompassLine:
             return
         self._bad = 0
         self.readings += 1
-        self._waiting = (*angles, self._clock.now_ns())
+        now_ns = self._clock.now_ns()
+        if self._looks % RATE_HZ == 0 and not self._is_prompt():
+            return
+        self._waiting = (*angles, now_ns)
+
+    def _is_prompt(self) -> bool:
+        """Whether the last reading is a new one."""
+        self.outcome = self._driver.check_promptness()
+        return self.outcome is Outcome.OK
 
     def take(self) -> tuple[int, int, int, int] | None:
         """Heading, pitch, roll in tenths of a degree and the time of the reading, once."""

@@ -14,6 +14,7 @@ COMPASS = {
     CompassOutcome.WRONG_CHIP: "wrong chip",
     CompassOutcome.NOT_CONFIGURED: "not set up",
     CompassOutcome.NOT_RUNNING: "not running",
+    CompassOutcome.LATE: "late",
 }
 CALIBRATION = {Found.NOTHING: "none", Found.GOOD: "loaded", Found.SPOILT: "spoilt"}
 """What there is room for."""

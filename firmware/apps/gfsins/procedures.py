@@ -35,7 +35,6 @@ from firmware.apps.gfsins.settings_packet import POSITION_VALUES
 from firmware.apps.gfsins.solutions import COUNT, SIZES
 from firmware.apps.gfsins.solver_dialogue import SolverDialogue
 from firmware.drivers import gnss_epoch as gnss
-from firmware.drivers.hmc6343 import Outcome as CompassOutcome
 from hal.board_io import BoardIo
 
 LINE: Final = 21
@@ -227,7 +226,7 @@ class Procedures:
 
     def _missing(self) -> str:
         """A sensor without which there is nothing to collect."""
-        if self._needs_compass and self._sampling.compass.outcome is not CompassOutcome.OK:
+        if self._needs_compass and not self._sampling.compass.works:
             return "compass missing"
         chips = self._sampling.chips.faults if self.name not in ("compass", "ellipse") else 0
         if chips:

@@ -14,7 +14,6 @@ from firmware.apps.gfsins.accelerometers import Accelerometers
 from firmware.apps.gfsins.compass_line import CompassLine
 from firmware.apps.gfsins.corrections import Corrections
 from firmware.apps.gfsins.receiver_line import ReceiverLine
-from firmware.drivers.hmc6343 import Outcome as CompassOutcome
 from firmware.nav.gyro_free import packet as pk
 from firmware.numerics.dialect import entry_point
 from hal.board_io import BoardIo
@@ -76,7 +75,7 @@ class Sampling:
         """The compass, and the receiver's set-up. A compass that is missing is looked for less often than in
         acquisition: that takes half a second, in which the operator waits."""
         self._looks += 1
-        if self.compass.outcome is CompassOutcome.OK or self._looks % LOOKS_WITHOUT == 0:
+        if self.compass.works or self._looks % LOOKS_WITHOUT == 0:
             self.compass.look()
         self.receiver.service()
 

@@ -51,7 +51,7 @@ class SettingsHealth:
             return f"no chip {chip_digits(chips.missing)}"
         if chips.stuck:
             return f"stuck chip {chip_digits(chips.stuck)}"
-        if self.sampling.compass.outcome is not CompassOutcome.OK:
+        if not self.sampling.compass.works:
             return "no compass"
         if self.dsp_is_silent:
             return "DSP is silent"
