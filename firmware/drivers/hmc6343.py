@@ -176,8 +176,8 @@ class Hmc6343:
         return Outcome.OK if self._is_running(mode[0]) else Outcome.NOT_RUNNING
 
     def check_promptness(self) -> Outcome:
-        """Behind a `read`. A part that takes longer than its delay answers with what it was asked before: it
-        is LATE, and `read` waits LATE_POST_NS from then on, until the part is prompt again. Takes 1.5 ms, 45 ms
+        """Behind a `read`. A part that takes longer than its delay answers with what it was asked before:
+        it is LATE, and `read` waits LATE_POST_NS until the part is prompt again. Takes 1.5 ms, 45 ms
         when it is late; what is later than LATE_POST_NS does not run."""
         mode = self._ask(POST_NS, 1, Command.POST_OP_MODE)
         if mode is not None and self._is_running(mode[0]):
