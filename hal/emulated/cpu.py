@@ -74,7 +74,6 @@ class EmulatedCpu:
         self._owner: greenlet | None = None
         self._greenlet: greenlet | None = None
         self._reset_cause = ""
-        self._clock_rate = SECOND + crystal_error_ppb
         """ns that the processor's clock shows in a second."""
         self._entry_ns = self._duration(interrupt_entry_cycles)
         self._access_ns = self._duration(ACCESS_CYCLES)
@@ -150,16 +149,16 @@ class EmulatedCpu:
         else:
             self._poll_slowly()
             now = time.now
-        if self._boot_ns:
-            now -= self._boot_ns
-        whole, rest = now // SECOND, now % SECOND  # so that no product leaves a register
-        if self._fast_ppb:
-            return now + whole * self._fast_ppb + rest * self._fast_ppb // SECOND
-        return now - whole * self._slow_ppb - (rest * self._slow_ppb + SECOND - 1) // SECOND
+        return self.clock_at(now)
 
     def clock_at(self, time_ns: int) -> int:
         """What this processor's clock shows at a virtual time (a capture unit's latch, without an access)."""
-        return (time_ns - self._boot_ns) * self._clock_rate // SECOND
+        if self._boot_ns:
+            time_ns -= self._boot_ns
+        whole, rest = time_ns // SECOND, time_ns % SECOND  # so that no product leaves a register
+        if self._fast_ppb:
+            return time_ns + whole * self._fast_ppb + rest * self._fast_ppb // SECOND
+        return time_ns - whole * self._slow_ppb - (rest * self._slow_ppb + SECOND - 1) // SECOND
 
     def start_trace(self) -> None:
         """Record the next TRACE_LENGTH activations in `trace`; meanwhile none of them is an ordinary one."""

@@ -77,22 +77,24 @@ class EmulatedCaptureTimer:
         self._edges = self._latched_ns = 0
         if not self._running:
             self._running = True
-            self._net.listen(self._changed)
+            for rising in (False, True):
+                if self._edge is Edge.BOTH or rising == (self._edge is Edge.RISING):
+                    self._net.listen_edge(rising, self._latch)
 
     def captured(self) -> tuple[int, int]:
         """(edges since `start`, clock in nanoseconds at the last one)."""
         self._cpu.poll()
         return self._edges, self._latched_ns
 
-    def _changed(self, level: bool, time_ns: int) -> None:
-        if self._edge is Edge.BOTH or level == (self._edge is Edge.RISING):
-            self._edges += 1
-            self._latched_ns = self._cpu.clock_at(time_ns)
-            if self._line is not None:
-                self._line.request()
+    def _latch(self) -> None:
+        cpu = self._cpu
+        self._edges += 1
+        self._latched_ns = cpu.clock_at(cpu.time.now)
+        if self._line is not None:
+            self._line.request()
 
     def _reset(self) -> None:
         self._edges = self._latched_ns = 0
         if self._running:
             self._running = False
-            self._net.ignore(self._changed)
+            self._net.ignore_edges(self._latch)

@@ -113,12 +113,13 @@ class FifoLane:
 
     def _count(self, time_ns: int) -> bool:
         """Samples up to a time before `_to_ns`; False, and nothing is changed, if they are too many."""
-        times, come = self._times, self._come
+        times, come, next_ns = self._times, self._come, self._next_ns
         last = self._read + MOST_WAITING
-        while times[come] <= time_ns:
+        while next_ns <= time_ns:
             come += 1
             if come > last:
                 return False
+            next_ns = times[come]
         self._come = come
-        self._next_ns = times[come]
+        self._next_ns = next_ns
         return True

@@ -19,6 +19,9 @@ FARTHEST = np.int64(1000)
 """0.5 g: at the end of an arm of 0.25 m it would be 20 rad/s²."""
 ARMS = np.int32(6)
 ONE = np.int64(1)
+SEVEN = np.int32(CHIPS)
+SAMPLE_BYTES = np.int32(SAMPLE_LENGTH - 1)
+KNOWN = np.uint8(1)
 
 
 @kernel("int64(uint8[::1], int64[::1], int64[::1], int64[::1])")
@@ -39,3 +42,22 @@ def fill_accelerations(raw, scales, offsets, words):
         if abs((arm ^ SIGN) - (origin ^ SIGN)) > FARTHEST:
             far |= ONE << k
     return far
+
+
+@kernel("int64(uint8[::1], uint8[::1], int64)")
+def compare_samples(raw, before, fresh):
+    """Bits of those chips of `fresh` whose sample is that of the time before. `before` keeps it, behind a
+    byte that says whether there is one."""
+    alike = np.int64(0)
+    for chip in range(SEVEN):
+        place = chip * SAMPLE_LENGTH
+        if (fresh >> chip) & ONE:
+            same = before[place] == KNOWN
+            before[place] = KNOWN
+            for k in range(SAMPLE_BYTES):
+                if before[place + 1 + k] != raw[place + 1 + k]:
+                    same = False
+                    before[place + 1 + k] = raw[place + 1 + k]
+            if same:
+                alike |= ONE << chip
+    return alike

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 from typing import Final
 
-from firmware.apps.gfsins.accelerations import CHIPS
+import numpy as np
+
+from firmware.apps.gfsins.accelerations import CHIPS, compare_samples
 from firmware.drivers.adxl345 import ENTRIES_MASK, FIFO_ENTRIES, Adxl345, Adxl345Config, Outcome, Register
 from firmware.drivers.adxl345_ports import READ, SAMPLE_REQUEST, SpiPort
 from firmware.drivers.adxl345_sample import SAMPLE_LENGTH
+from firmware.numerics.dialect import entry_point
 from hal.board_io import BoardIo
 
 RATE_HZ: Final = 200
@@ -50,8 +53,12 @@ class Accelerometers:
         self._buffers = [bytearray(SAMPLE_LENGTH) for _ in range(CHIPS)]
         self._status = bytearray(2)
         self._silent_ticks = [0] * CHIPS
-        self._last = [bytearray()] * CHIPS
+        self._now = np.frombuffer(self.raw, np.uint8)
+        self._before = np.zeros(len(self.raw), np.uint8)
+        """The sample of each that came before, behind a byte that says whether there is one."""
+        self._compare = entry_point(compare_samples)
         self._alike = [0] * CHIPS
+        self._some_alike = False
         self._spend = io.cpu.spend
         self._pop_cycles = io.cpu.cost("fifo_pop")
 
@@ -78,7 +85,7 @@ class Accelerometers:
     def drain(self) -> None:
         """All FIFOs, at a tick."""
         status, held, fresh = self._status, self._held, 0
-        counts, buffers = self.counts, self._buffers
+        counts, buffers, silent = self.counts, self._buffers, self._silent_ticks
         for chip, transaction in enumerate(self._transactions):
             if held >> chip & 1:
                 continue
@@ -99,24 +106,27 @@ class Accelerometers:
             buffer[:] = BURST_REQUEST
             transaction(buffer)
             fresh |= 1 << chip
-            self._silent_ticks[chip] = 0
-            sample = buffer[1:]
-            if sample == self._last[chip]:
-                self._found_alike(chip)
-            else:
-                self._last[chip] = sample
-                if self._alike[chip]:
-                    self._alike[chip] = 0
-                    self.stuck &= ~(1 << chip)
+            silent[chip] = 0
         self.fresh = fresh & ~self.missing
         self.raw[:] = b"".join(buffers)
+        alike: int = self._compare(self._now, self._before, fresh)
+        if alike or self._some_alike:
+            self._count_alike(alike, fresh)
 
     def _found_none(self, chip: int) -> None:
         self._silent_ticks[chip] += 1
         if self._silent_ticks[chip] >= GRACE_TICKS:
             self.missing |= 1 << chip
 
-    def _found_alike(self, chip: int) -> None:
-        self._alike[chip] += 1
-        if self._alike[chip] >= STUCK_SAMPLES:
-            self.stuck |= 1 << chip
+    def _count_alike(self, alike: int, fresh: int) -> None:
+        """Bits of the chips that gave the same again, and of those that gave a sample."""
+        counts = self._alike
+        for chip in range(CHIPS):
+            if alike >> chip & 1:
+                counts[chip] += 1
+                if counts[chip] >= STUCK_SAMPLES:
+                    self.stuck |= 1 << chip
+            elif fresh >> chip & 1 and counts[chip]:
+                counts[chip] = 0
+                self.stuck &= ~(1 << chip)
+        self._some_alike = any(counts)

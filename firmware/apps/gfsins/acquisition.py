@@ -13,12 +13,13 @@ from typing import Final
 import numpy as np
 
 from firmware.apps.gfsins import commands
-from firmware.apps.gfsins.accelerations import CHIPS, fill_accelerations
+from firmware.apps.gfsins.accelerations import CHIPS
 from firmware.apps.gfsins.accelerometers import ALL, Accelerometers
 from firmware.apps.gfsins.agreement import Agreement
 from firmware.apps.gfsins.calibration import Calibration
 from firmware.apps.gfsins.coefficients import FIRST_WORD, WORDS
 from firmware.apps.gfsins.compass_line import CompassLine
+from firmware.apps.gfsins.filled_packet import fill_packet
 from firmware.apps.gfsins.packet_words import put_compass, put_epoch
 from firmware.apps.gfsins.receiver_line import ReceiverLine
 from firmware.apps.gfsins.settings import TICKS_PER_S
@@ -40,8 +41,7 @@ class Acquisition:
         self._io = io
         self._calibration = calibration
         self._scales, self._offsets = calibration.corrections.scales, calibration.corrections.offsets
-        self._fill = entry_point(fill_accelerations)
-        self._seal = entry_point(pk.seal_packet)
+        self._fill = entry_point(fill_packet)
         self._starts = 0
         """Kept over resets in a register of the FPGA that a reset of the processor leaves alone."""
 
@@ -52,7 +52,6 @@ class Acquisition:
         self._ticks = 0
         self._sequence = 0
         self._words = np.zeros(pk.WORDS, np.int64)
-        self._view = self._words.data.cast("B")
         self._data = np.zeros(pk.BYTES, np.uint8)
         self._chips = Accelerometers(io)
         self._raw = np.frombuffer(self._chips.raw, np.uint8)
@@ -127,7 +126,6 @@ class Acquisition:
         self._ticks += 1
         chips, words = self._chips, self._words
         chips.drain()
-        far = self._fill(self._raw, self._scales, self._offsets, words)
         flags = 0
         reading = self._compass.take()
         if reading is not None:
@@ -135,19 +133,18 @@ class Acquisition:
         if self._receiver.is_fresh:
             self._receiver.is_fresh = False
             flags |= put_epoch(words, self._receiver.waiting.tolist(), tick_ns)
-        tick_us = tick_ns // 1000
-        view = self._view
-        pk.HEADER.pack_into(
-            view, pk.HEADER_AT, self._sequence, tick_us >> 32, tick_us >> 16 & 0xFFFF, tick_us & 0xFFFF
-        )
-        pk.MARKS.pack_into(view, pk.MARKS_AT, chips.fresh, chips.faults | far, flags)
+        sequence, data = self._sequence, self._data
         told = self._coefficients
         if told is not None:
-            words[FIRST_WORD : FIRST_WORD + WORDS] = told[self._sequence % len(told)]
-        self._sequence = self._sequence + 1 & 0xFFFF
-        self._seal(words, self._data)
+            words[FIRST_WORD : FIRST_WORD + WORDS] = told[sequence % len(told)]
+        faults = chips.missing | chips.stuck | chips.at_odds
+        tick_us = tick_ns // 1000
+        self._fill(
+            self._raw, self._scales, self._offsets, words, data, sequence, tick_us, chips.fresh, faults, flags
+        )
+        self._sequence = sequence + 1 & 0xFFFF
         self._io.cpu.spend(self._tick_cost)
-        self._dropped += not self._sender.send(self._data.tobytes())
+        self._dropped += not self._sender.send(data.tobytes())
         sync.set(False)
 
     def spoil(self) -> None:

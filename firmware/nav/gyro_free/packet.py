@@ -18,34 +18,39 @@ Numbers below zero are two's complement. A slip by a word or a byte shows in syn
 """
 
 from struct import Struct
+from typing import Final
 
 import numpy as np
 
 from firmware.link.crc import crc16
 from firmware.numerics.dialect import kernel
 
-WORDS = 48
-BYTES = 2 * WORDS
-SYNC, KIND, SEQUENCE, TIME, ACCELERATIONS, CHIPS, FAULTS, FLAGS = 0, 1, 2, 3, 6, 15, 16, 17
+WORDS: Final = 48
+BYTES: Final = 96
+SYNC, KIND, SEQUENCE, TIME = 0, 1, 2, 3
+ACCELERATIONS: Final = 6
+CHIPS, FAULTS = 15, 16
+FLAGS: Final = 17
 HEADING, PITCH, ROLL, COMPASS_AGE = 18, 19, 20, 21
 LATITUDE, LONGITUDE, HEIGHT, SPEED, COURSE = 22, 26, 30, 32, 34
 TIME_OF_DAY, DATE, QUALITY, SATELLITES, HDOP, GPS_AGE = 36, 38, 39, 40, 41, 42
 CRC = 47
 SYNC_WORD = np.int64(0xA55A)
 KIND_WORD = np.int64(0x4701)
-HAS_COMPASS, HAS_GPS, HAS_HEIGHT, HAS_COURSE = 1, 2, 4, 8
+HAS_COMPASS: Final = 1
+HAS_GPS: Final = 2
+HAS_HEIGHT, HAS_COURSE = 4, 8
 
-HEADER, MARKS, STAMP = Struct("4q"), Struct("3q"), Struct("3q")
-HEADER_AT, MARKS_AT, STAMP_AT = 8 * SEQUENCE, 8 * CHIPS, 8 * TIME
-"""Sequence number and time; chips, faults and flags; time: in the memory of an array of words. A third of the
-time of an assignment to a slice of the array."""
-SENT_HEADER = Struct(">4H")
-SENT_HEADER_AT = 2 * SEQUENCE
-"""The first of them as it is sent."""
+STAMP: Final = Struct("3q")
+STAMP_AT: Final = 24
+"""The time in the memory of an array of words: a third of the time of an assignment to a slice."""
+SENT_HEADER: Final = Struct(">4H")
+SENT_HEADER_AT: Final = 4
+"""Sequence number and time as they are sent."""
 
-GOOD = 0
+GOOD: Final = 0
 NO_SYNC = 1
-WRONG_KIND = 2
+WRONG_KIND: Final = 2
 WRONG_CRC = 3
 RESULT_NAMES = ("good", "no sync word", "wrong kind", "wrong checksum")
 

@@ -39,14 +39,11 @@ class PacketDoor:
     def __init__(self, federation: Federation) -> None:
         self.epoch = np.zeros(gnss.RECORD_SIZE, np.int64)
         """The GPS part of the last packet that had one."""
-        self._federation = federation
-        self._counts = federation.n.data
-        """The same memory: a number of it in a fifth of the time."""
-        self._words = np.zeros(pk.WORDS, np.int64)
-        self._numbers = self._words.data
-        """Of the array of words that came last, the same way."""
         self._arrived_ns: int | None = None
-        self._all = federation.all
+        self._g, self._n = federation.g, federation.n
+        self._f1, self._i1 = federation.compass
+        self._f2, self._i2 = federation.gps
+        self._fm, self._im = federation.master
         self._inertial = entry_point(packet_step)
         self._compass = entry_point(compass_step)
         self._gps = entry_point(gps_step)
@@ -60,36 +57,42 @@ class PacketDoor:
         whose time lies more than a second back is the first of an acquisition that began anew; its time is
         counted from there, by that clock, or as if half a second had been lost.
         """
-        federation = self._federation
-        g, n = federation.g, federation.n
-        counts = self._counts
-        t = self._tick_ns(words) + counts[gl.TICK_OFFSET]
-        if t < counts[gl.TICK] - RESTARTED_NS:
-            lost = UNKNOWN_GAP_NS
-            if arrived_ns is not None and self._arrived_ns is not None:
-                lost = max(arrived_ns - self._arrived_ns, int(n[gl.TICK_NS]))
-            n[gl.TICK_OFFSET] += int(n[gl.TICK]) + lost - t
-            n[gl.RESTARTS] += 1
-            t = int(n[gl.TICK]) + lost
+        g, n, f1, i1, f2, i2 = self._g, self._n, self._f1, self._i1, self._f2, self._i2
+        fm, im = self._fm, self._im
+        due: int = self._inertial(g, n, words, felt, f1, i1, f2, i2, fm, im)
+        if not due and self._has_restarted(words, arrived_ns):
+            due = self._inertial(g, n, words, felt, f1, i1, f2, i2, fm, im)
         self._arrived_ns = arrived_ns
-        due = self._inertial(g, n, words, felt, *self._all)
-        done: int = due & USED
-        if due <= USED:
+        done = due & SAMPLE_USED
+        if due <= SAMPLE_USED:
             return done
+        t = self._tick_ns(words)
         if due & COMPASS_DUE:
-            heading, pitch, roll = (int(word) for word in words[pk.HEADING : pk.ROLL + 1].astype(np.int16))
+            heading, pitch, roll = words[pk.HEADING : pk.ROLL + 1].astype(np.int16).tolist()
             valid = t - int(words[pk.COMPASS_AGE]) * NS_PER_AGE
-            done |= COMPASS_BELIEVED * self._compass(g, n, *federation.compass, heading, pitch, roll, valid)
+            done |= COMPASS_BELIEVED * self._compass(g, n, f1, i1, heading, pitch, roll, valid)
         if due & GPS_DUE:
             self._read_epoch(words, self.epoch, t)
-            done |= GPS_BELIEVED * self._gps(g, n, *federation.gps, self.epoch)
+            done |= GPS_BELIEVED * self._gps(g, n, f2, i2, self.epoch)
         if due & FUSION_DUE:
-            done |= FUSED * self._fuse(g, n, *self._all)
+            done |= FUSED * self._fuse(g, n, f1, i1, f2, i2, fm, im)
         return done
+
+    def _has_restarted(self, words: NDArray[np.int64], arrived_ns: int | None) -> bool:
+        """Whether a packet from the past, of which nothing was used, is the first of an acquisition that
+        began anew; then its time is moved behind the last one's."""
+        n, t = self._n, self._tick_ns(words)
+        if t >= int(n[gl.TICK]) - RESTARTED_NS:
+            return False
+        lost = UNKNOWN_GAP_NS
+        if arrived_ns is not None and self._arrived_ns is not None:
+            lost = max(arrived_ns - self._arrived_ns, int(n[gl.TICK_NS]))
+        n[gl.TICK_OFFSET] += int(n[gl.TICK]) + lost - t
+        n[gl.RESTARTS] += 1
+        return True
 
     def _tick_ns(self, words: NDArray[np.int64]) -> int:
         """Of the packet."""
-        if words is not self._words:
-            self._words, self._numbers = words, words.data
-        told = self._numbers
-        return ((told[pk.TIME] << 32) | (told[pk.TIME + 1] << 16) | told[pk.TIME + 2]) * 1000
+        high, middle, low = words[pk.TIME : pk.TIME + 3].tolist()
+        offset = int(self._n[gl.TICK_OFFSET])
+        return (high << 32 | middle << 16 | low) * 1000 + offset
