@@ -68,27 +68,38 @@ def hash_of_folder_outside(source: Path) -> str:
 def kernel_sources() -> set[Path]:
     """Files of firmware that hold or build kernels, and all firmware files these import, however far."""
     texts = {path: path.read_text(encoding="utf-8") for path in (_PACKAGE_ROOT / "firmware").rglob("*.py")}
+    modules = {_module_name(path): path for path in texts}
+    packages: dict[str, list[Path]] = {}
+    for name, path in modules.items():
+        packages.setdefault(name.rpartition(".")[0], []).append(path)
     builders = Path(__file__).parent
     found = {path for path, text in texts.items() if path.parent == builders or _DECORATOR_USED.search(text)}
     waiting = list(found)
+    looked_at: set[str] = set()
     while waiting:
         path = waiting.pop()
-        new = {file for file in _imported_files(texts[path], path) if file in texts} - found
+        new = set()
+        for module in _imported_modules(texts[path], path) - looked_at:
+            looked_at.add(module)
+            new |= {modules[module]} if module in modules else set()
+            new.update(packages.get(module, ()))
+        waiting.extend(new - found)
         found |= new
-        waiting.extend(new)
     return found
 
 
-def _imported_files(text: str, importer: Path) -> Iterator[Path]:
-    """Files that `text` may import from firmware; a package stands for all files in its folder."""
-    for match in _IMPORT.finditer(text):
-        module = match[1]
-        if module.startswith("."):
-            yield from importer.parent.glob("*.py")
-        elif module.startswith("firmware."):
-            target = _PACKAGE_ROOT.joinpath(*module.split("."))
-            yield target.with_suffix(".py")
-            yield from target.glob("*.py")
+def _imported_modules(text: str, importer: Path) -> set[str]:
+    """Modules of firmware that `text` may import; a package stands for all files in its folder, and so does
+    what is named from where the importer stands."""
+    names = set(_IMPORT.findall(text))
+    imported = {name for name in names if name.startswith("firmware.")}
+    if any(name.startswith(".") for name in names):
+        imported.add(_module_name(importer).rpartition(".")[0])
+    return imported
+
+
+def _module_name(path: Path) -> str:
+    return ".".join(path.relative_to(_PACKAGE_ROOT).with_suffix("").parts)
 
 
 def _candidate_roots() -> Iterator[Path]:

@@ -17,6 +17,8 @@ YOUNG = 1
 """Generations that are looked through between two chunks of a run."""
 
 _settled = False
+_ran = False
+"""Whether an earlier run of this process may have left something; libraries leave next to nothing."""
 
 
 def settle() -> None:
@@ -35,7 +37,10 @@ def collect_young() -> None:
 @contextmanager
 def undisturbed() -> Iterator[None]:
     """The collector works inside when `collect_young` is called, and then on what is new only."""
-    gc.collect()
+    global _ran
+    if _ran:
+        gc.collect()
+    _ran = True
     if not _settled:
         gc.freeze()
     gc.disable()

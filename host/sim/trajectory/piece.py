@@ -37,6 +37,13 @@ class Piece:
             + _horner(self.cosine, tau) * math.cos(angle)
         )
 
+    def bound(self) -> float:
+        """What |x(τ)| nowhere exceeds; often a good deal more than it reaches."""
+        sums = _horner(tuple(map(abs, self.polynomial)), self.duration_s)
+        for coefficients in (self.sine, self.cosine):
+            sums += _horner(tuple(map(abs, coefficients)), self.duration_s)
+        return sums
+
     def integral(self, start_value: float) -> Piece:
         """The piece whose derivative this is and whose value at τ = 0 is `start_value`."""
         polynomial = [0.0] + [p / (k + 1) for k, p in enumerate(self.polynomial)]
