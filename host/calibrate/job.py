@@ -109,7 +109,7 @@ def calibrate(request: RunRequest, names: Sequence[str], progress: Progress | No
     whole_s = 3.0 + sum(EXPECTED_S[name] for name in names) + 2 * len(POWER_UP_HEADINGS) * POWER_UP_S
     with session_in_world(request, setup, world, manifest_of(request, setup)) as session:
         operator = Operator(session, world, None if progress is None else lambda s: progress(s, whole_s))
-        operator.wait_for("SETTINGS")
+        operator.wait_for_menu()
         for name in names:
             account = operator.calibrate(name)
             outcome.procedures.append(_judged(account, session, world, setup))

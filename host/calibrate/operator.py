@@ -31,6 +31,8 @@ MOST_REFUSALS = 5
 """Of one position."""
 PATIENCE_NS = SECOND
 """After a refusal."""
+WARNED_NS = 15 * SECOND
+"""From power-up, until a warning on the first page is believed."""
 SPIN_S = 5.0
 ENDS = "done", "FAILED"
 """Of a procedure, at the end of its title."""
@@ -87,9 +89,16 @@ class Operator:
 
     # -- the screen --------------------------------------------------------------------------------
 
-    def wait_for(self, text: str) -> list[str]:
-        """Until a line holds it. Raises UserError."""
-        return self._until(lambda lines: any(text in line for line in lines), f"{text!r}")
+    def wait_for_menu(self) -> None:
+        """Until the first page is there, and with it the sensors; a warning that stays is no obstacle. Raises
+        UserError."""
+        begun_ns = self._session.now_ns
+
+        def is_there(lines: list[str]) -> bool:
+            waited_ns = self._session.now_ns - begun_ns
+            return lines[0].startswith(FIRST_PAGE if waited_ns > WARNED_NS else FIRST_PAGE[0])
+
+        self._until(is_there, f"{FIRST_PAGE[0]!r}")
 
     def _until(self, seen: Callable[[list[str]], bool], what: str) -> list[str]:
         begun_ns = self._session.now_ns

@@ -13,7 +13,7 @@ import pytest
 from board_run import fault
 
 from firmware.apps.gfsins import calibration as cal
-from firmware.apps.gfsins.calibration_store import pack
+from firmware.apps.gfsins.calibration_store import pack, unpack
 from host.calibrate.job import procedures_of
 from host.cli.calibrate_run import Outputs, execute
 from host.record.errors import UserError
@@ -138,6 +138,16 @@ def test_the_next_power_up_uses_what_is_stored_and_nothing_that_is_spoilt(tmp_pa
 def test_what_cannot_be_calibrated_is_told(request_: RunRequest, asked: list[str], message: str) -> None:
     with pytest.raises(UserError, match=message):
         execute(request_, asked, Outputs(None, None, None, True))
+
+
+def test_a_spoilt_store_is_calibrated_anew(tmp_path: Path) -> None:
+    file, target = tmp_path / "spoilt.bin", tmp_path / "store.bin"
+    file.write_bytes(bytes(4224))
+    request = RunRequest("gfsins", overrides=(f'board.flash.calibration.file="{file}"',))
+    assert execute(request, ["alignment"], Outputs(target, None, None, True)) == 0
+    blocks = [unpack(target.read_bytes()[place : place + 2112]) for place in (0, 2112)]
+    written = [block for block in blocks if block is not None]
+    assert [set(sections) for _, sections in written] == [{cal.CORRECTIONS, cal.ALIGNMENT}]
 
 
 def test_procedures_come_in_the_order_in_which_they_build_on_each_other() -> None:
