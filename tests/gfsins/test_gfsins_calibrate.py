@@ -25,6 +25,7 @@ FAULTS = (
     fault("packet-loss", "packets", 40.0, 40.0, probability=0.2),
     fault("packet-bit-errors", "packets", 40.0, 40.0, probability=3e-4),
     fault("cpu-reset", "dsp", 49.0),
+    fault("sensor-stuck", "U5", 59.5, 6.0),
 )
 TRUE_SCALE_LIMIT, TRUE_OFFSET_LIMIT = 8e-4, 0.4
 
@@ -66,6 +67,10 @@ def test_a_missing_chip_is_told_on_the_screen_and_the_position_taken_again(told:
     refusals = procedure(told, "accelerometers")["refusals"]
     assert refusals
     assert set(refusals) == {"chip 3 is missing"}
+
+
+def test_a_stuck_chip_is_told_as_stuck(told: Told) -> None:
+    assert set(procedure(told, "alignment")["refusals"]) == {"chip 5 is stuck"}
 
 
 def test_coefficients_are_those_of_the_sensors(told: Told) -> None:

@@ -228,10 +228,12 @@ class Procedures:
         """A sensor without which there is nothing to collect."""
         if self._needs_compass and not self._sampling.compass.works:
             return "compass missing"
-        chips = self._sampling.chips.faults if self.name not in ("compass", "ellipse") else 0
-        if chips:
-            return f"chip {(chips & -chips).bit_length()} is missing"
-        return ""
+        if self.name in ("compass", "ellipse"):
+            return ""
+        chips = self._sampling.chips
+        bad = chips.missing or chips.faults
+        word = "missing" if chips.missing else "stuck"
+        return f"chip {(bad & -bad).bit_length()} is {word}" if bad else ""
 
     def _refuse(self, why: str) -> None:
         self.refused += 1
