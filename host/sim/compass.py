@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
@@ -39,24 +38,40 @@ class WrongAngles:
 
     def __init__(self, errors: CompassErrors, seed: int, name: str) -> None:
         self._white = np.radians(axes(errors.noise_deg))
-        self._lasting = np.radians(axes(errors.markov_deg))
+        self._lasting: list[float] = np.radians(axes(errors.markov_deg)).tolist()
         self._rate = 1e-9 / errors.markov_time_s
         self._noise = generator(seed, f"{name}.compass.angles")
         begun = generator(seed, f"{name}.compass.begun").standard_normal(3)
-        self._error = np.radians(axes(errors.initial_deg)) * begun
+        self._error: list[float] = (np.radians(axes(errors.initial_deg)) * begun).tolist()
         self._time_ns = 0
 
     def shown(self, truth: TruthBatch) -> TruthBatch:
         """The attitude that the compass is to show."""
         drawn = self._noise.standard_normal((len(truth.times_ns), 2, 3))
-        wrong = np.empty((len(drawn), 3))
-        for k, time_ns in enumerate(truth.times_ns.tolist()):
-            decay = math.exp(-self._rate * (time_ns - self._time_ns))
-            self._time_ns = time_ns
-            self._error = decay * self._error + self._lasting * math.sqrt(1.0 - decay * decay) * drawn[k, 0]
-            wrong[k] = self._error + self._white * drawn[k, 1]
+        lasting = [*map(self._later, truth.times_ns.tolist(), drawn[:, 0].tolist())]
+        wrong = np.reshape(lasting, (-1, 3))
+        wrong = wrong + self._white * drawn[:, 1]
         pitch, roll, yaw = truth.pitch + wrong[:, 0], truth.roll + wrong[:, 1], truth.yaw + wrong[:, 2]
         return replace(truth, pitch=pitch, roll=roll, yaw=yaw)
+
+    def _later(self, time_ns: int, drawn: list[float]) -> list[float]:
+        """What lasts of the errors at a time, three numbers drawn for the way there."""
+        decay = math.exp(-self._rate * (time_ns - self._time_ns))
+        grown = math.sqrt(1.0 - decay * decay)
+        self._time_ns = time_ns
+        self._error = [
+            decay * error + lasting * grown * number
+            for error, lasting, number in zip(self._error, self._lasting, drawn, strict=True)
+        ]
+        return self._error
+
+    def noise(self) -> Any:
+        """What the errors to come depend on."""
+        return self._noise.bit_generator.state, self._error, self._time_ns
+
+    def set_noise(self, noise: Any) -> None:
+        """Go on from there."""
+        self._noise.bit_generator.state, self._error, self._time_ns = noise
 
 
 class FeltCompass:
@@ -94,11 +109,16 @@ class FeltCompass:
 
     def noise(self) -> Any:
         """All sources of noise as they are now."""
-        return deepcopy((self._noise, self._wrong, self._field.noise))
+        wrong = None if self._wrong is None else self._wrong.noise()
+        return self._noise.bit_generator.state, wrong, [one.bit_generator.state for one in self._field.noise]
 
     def set_noise(self, noise: Any) -> None:
         """Draw from there on."""
-        self._noise, self._wrong, self._field.noise = noise
+        self._noise.bit_generator.state, wrong, field = noise
+        if self._wrong is not None:
+            self._wrong.set_noise(wrong)
+        for one, state in zip(self._field.noise, field, strict=True):
+            one.bit_generator.state = state
 
     def _force(self, times_ns: NDArray[np.int64], here: TruthBatch) -> Array:
         """In body axes."""

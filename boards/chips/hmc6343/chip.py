@@ -8,7 +8,7 @@ somebody follows it.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 from boards.chips.hmc6343 import commands as code
 from boards.chips.hmc6343 import compass, eeprom
@@ -76,9 +76,9 @@ class Hmc6343:
     `start_ns`: when its supply comes up. `strict`: reports are raised as UndocumentedAccessError.
     """
 
-    feels = "compass"
+    feels: ClassVar[str] = "compass"
     """The world that it asks."""
-    measures = ("mag", "accel", "temperature")
+    measures: ClassVar[tuple[str, ...]] = ("mag", "accel", "temperature")
     """Of what the world tells."""
 
     def __init__(

@@ -106,8 +106,8 @@ class Measurements:
             self.rows.extend(values.tolist())
             if self._low is not None:
                 counts = magnetometer_counts(values[:, _FIELD])
-                self._low = np.minimum(self._low, counts.min(axis=0))
-                self._high = np.maximum(self._high, counts.max(axis=0))
+                self._low = np.minimum(self._low, np.min(counts, axis=0))
+                self._high = np.maximum(self._high, np.max(counts, axis=0))
         return True
 
     def _instants(self, clock: Oscillator, count: int) -> NDArray[np.int64]:
