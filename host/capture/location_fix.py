@@ -6,7 +6,6 @@ Times are virtual time since the start of the run; the covariance is diagonal, e
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
@@ -21,6 +20,10 @@ TOPICS = {"/solution": "/fix/solution", "/gnss": "/fix/gnss"}
 EACH_S = 1.0
 """At most one in so long."""
 UNKNOWN, DIAGONAL = 0, 2
+FIX = (
+    b'{"timestamp":{"sec":%d,"nsec":%d},"frame_id":"board","latitude":%.9f,"longitude":%.9f,"altitude":%.3f,'
+    b'"position_covariance":[%.4g,0,0,0,%.4g,0,0,0,%.4g],"position_covariance_type":%d}'
+)
 
 _PLACE = ("latitude_deg", "longitude_deg", "height_m")
 _SIGMAS = ("sigma_east_m", "sigma_north_m", "sigma_down_m")
@@ -66,7 +69,7 @@ class Fixes:
         below `least` have no position."""
         self._columns = list(columns)
         self._least = least
-        self._slot = -1
+        self._slot = -1.0
 
     @classmethod
     def of(cls, topic: str) -> Fixes:
@@ -81,12 +84,14 @@ class Fixes:
 
     def texts(self, rows: NDArray[np.float64]) -> Iterator[tuple[int, bytes]]:
         """(time in ns, message) of the first good row of each second."""
-        chosen = rows[:, self._columns]
-        for t_s, row in zip(rows[:, 0].tolist(), chosen.tolist(), strict=True):
-            slot = math.floor(t_s / EACH_S + 1e-6)
-            if slot > self._slot and row[0] >= self._least and all(map(math.isfinite, row)):
-                self._slot = slot
-                yield self._text(round(t_s * 1e9), *row[1:])
+        known = rows[:, self._columns]
+        good = np.flatnonzero((known[:, 0] >= self._least) & np.isfinite(known).all(axis=1))
+        slots = np.floor(rows[good, 0] / EACH_S + 1e-6)
+        latest = np.maximum.accumulate(np.concatenate(([self._slot], slots)))
+        chosen = good[slots > latest[:-1]]
+        self._slot = latest[-1]
+        for t_s, row in zip(rows[chosen, 0].tolist(), known[chosen, 1:].tolist(), strict=True):
+            yield self._text(round(t_s * 1e9), *row)
 
     def _text(
         self, t_ns: int, latitude: float, longitude: float, height: float, *sigmas: float
@@ -94,8 +99,14 @@ class Fixes:
         sec, nsec = divmod(t_ns, 1_000_000_000)
         known = len(sigmas) == 3
         east, north, up = (sigma * sigma for sigma in sigmas) if known else (0.0, 0.0, 0.0)
-        return t_ns, (
-            f'{{"timestamp":{{"sec":{sec},"nsec":{nsec}}},"frame_id":"board","latitude":{latitude:.9f},'
-            f'"longitude":{longitude:.9f},"altitude":{height:.3f},"position_covariance":[{east:.4g},0,0,0,'
-            f'{north:.4g},0,0,0,{up:.4g}],"position_covariance_type":{DIAGONAL if known else UNKNOWN}}}'
-        ).encode()
+        return t_ns, FIX % (
+            sec,
+            nsec,
+            latitude,
+            longitude,
+            height,
+            east,
+            north,
+            up,
+            DIAGONAL if known else UNKNOWN,
+        )

@@ -9,7 +9,7 @@ a file is packed by the records of the package `mcap`; the bytes are those that 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from struct import Struct
 from typing import Any, BinaryIO
 from zlib import crc32
@@ -143,6 +143,24 @@ class McapFile:
             self._last_ns = time_ns
         chunk += MESSAGE_HEAD.pack(Opcode.MESSAGE, MESSAGE_FIELDS + len(data), channel, 0, time_ns, time_ns)
         chunk += data
+
+    def add_texts(self, channel: int, times_ns: Sequence[int], texts: Sequence[bytes]) -> None:
+        """Messages of one channel, one after another."""
+        if not texts:
+            return
+        place = len(self._chunk)
+        entry, head = INDEX_ENTRY.pack, MESSAGE_HEAD.pack
+        entries: list[bytes] = []
+        records: list[bytes] = []
+        for t_ns, text in zip(times_ns, texts, strict=True):
+            entries.append(entry(t_ns, place))
+            length = MESSAGE_FIELDS + len(text)
+            records += (head(Opcode.MESSAGE, length, channel, 0, t_ns, t_ns), text)
+            place += RECORD_HEAD.size + length
+        self._chunk += b"".join(records)
+        self._indexes.setdefault(channel, bytearray()).extend(b"".join(entries))
+        self._first_ns = min(self._first_ns, *times_ns)
+        self._last_ns = max(self._last_ns, *times_ns)
 
     def add_messages(self, channel: int, times_ns: Integers, texts: Octets, ends: Integers) -> None:
         """Many messages of one channel at once: `ends` tells where each one ends in `texts`."""

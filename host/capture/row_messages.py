@@ -11,8 +11,8 @@ from host.capture.location_fix import TOPICS, Fixes
 from host.capture.topics import TABLES
 from host.record.row_text import RowText
 
-RowMessage = tuple[str, int, bytes]
-"""Topic, time in ns, text."""
+RowTexts = tuple[str, list[int], list[bytes]]
+"""Topic, times in ns, texts."""
 
 
 class RowMessages:
@@ -24,14 +24,13 @@ class RowMessages:
         }
         self._fixes = {topic: Fixes.of(topic) for topic in TOPICS}
 
-    def of(self, topic: str, rows: NDArray[np.float64]) -> list[RowMessage]:
+    def of(self, topic: str, rows: NDArray[np.float64]) -> list[RowTexts]:
         """Rows of a table ("/solution", "/gnss", …), column 0 the time in s; positions also as fixes."""
         times_ns = np.rint(np.maximum(rows[:, 0], 0.0) * 1e9).astype(np.int64).tolist()
-        texts = self._texts[topic].texts(rows)
-        messages = [(topic, t_ns, text) for t_ns, text in zip(times_ns, texts, strict=True)]
+        messages: list[RowTexts] = [(topic, times_ns, self._texts[topic].texts(rows))]
         if topic in self._fixes:
-            place = TOPICS[topic]
-            messages += [(place, t_ns, text) for t_ns, text in self._fixes[topic].texts(rows)]
+            fixes = list(self._fixes[topic].texts(rows))
+            messages.append((TOPICS[topic], [t_ns for t_ns, _ in fixes], [text for _, text in fixes]))
         return messages
 
 

@@ -179,8 +179,8 @@ class CaptureWriter:
 
     def rows(self, topic: str, rows: NDArray[np.float64]) -> None:
         """Rows of a table of `host.record.tables` ("/solution", "/gnss", …); column 0 is the time in s."""
-        for place, t_ns, message in self._row_messages.of(topic, rows):
-            self._writer.add_message(self._row_channels[place], t_ns, message)
+        for place, times_ns, texts in self._row_messages.of(topic, rows):
+            self._writer.add_texts(self._row_channels[place], times_ns, texts)
 
     def show_sensor(self, refdes: str, part: str, bus: str) -> None:
         """Show samples of an inertial sensor under /imu/<refdes>, when its part is known; see `glimpse`."""

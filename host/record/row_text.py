@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from host.sim.compiled import entry
+from host.sim.compiled import entry, inner
 
 LONGEST_NUMBER = 24
 
@@ -67,9 +67,41 @@ class RowText:
         return out, ends
 
 
+@inner
+def _write_number(out, place, number, decimals):  # type: ignore[no-untyped-def]
+    """Digits of an unsigned number with so many decimals from `place` on; returns the place behind them.
+    Unsigned, a division by ten is a multiplication."""
+    ten, zero = np.uint64(10), np.uint64(0)
+    digits = 1
+    rest = number // ten
+    while rest > zero:
+        digits += 1
+        rest //= ten
+    end = place + max(digits, decimals + 1) + (1 if decimals > 0 else 0)
+    at = end - 1
+    for _ in range(decimals):
+        rest = number // ten
+        out[at] = np.uint8(48) + np.uint8(number - rest * ten)
+        number = rest
+        at -= 1
+    if decimals > 0:
+        out[at] = 46
+        at -= 1
+    while at >= place:
+        rest = number // ten
+        out[at] = np.uint8(48) + np.uint8(number - rest * ten)
+        number = rest
+        at -= 1
+    return end
+
+
 @entry
 def _write_rows(rows, decimals, pieces, piece_ends, empty, out, ends):  # type: ignore[no-untyped-def]
     """Compiled loop behind RowText."""
+    scales = np.ones(decimals.shape[0])
+    for j in range(decimals.shape[0]):
+        for _ in range(decimals[j]):
+            scales[j] *= 10.0
     place = 0
     for i in range(rows.shape[0]):
         taken = 0
@@ -82,32 +114,15 @@ def _write_rows(rows, decimals, pieces, piece_ends, empty, out, ends):  # type: 
                 taken = 0
                 break
             value = rows[i, j]
-            scale = 1.0
-            for _ in range(decimals[j]):
-                scale *= 10.0
-            magnitude = abs(value) * scale + 0.5
+            magnitude = abs(value) * scales[j] + 0.5
             if not magnitude < 9.0e18:
                 for k in range(empty.shape[0]):
                     out[place] = empty[k]
                     place += 1
                 continue
-            number = np.int64(magnitude)
-            if value < 0.0 and number > 0:
+            number = np.uint64(np.int64(magnitude))
+            if value < 0.0 and number > np.uint64(0):
                 out[place] = 45
                 place += 1
-            count = 1
-            power = np.int64(10)
-            while count < 19 and number >= power:
-                count += 1
-                power = power * 10 if count < 19 else power
-            digits = max(count, decimals[j] + 1)
-            last = place + digits + (1 if decimals[j] > 0 else 0) - 1
-            place = last + 1
-            for k in range(digits):
-                if k == decimals[j] and k > 0:
-                    out[last] = 46
-                    last -= 1
-                out[last] = 48 + number % 10
-                number //= 10
-                last -= 1
+            place = _write_number(out, place, number, decimals[j])
         ends[i] = place

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hal.emulated.virtual_time import SECOND
-from host.capture.row_messages import RowMessage, RowMessages, event_message
+from host.capture.row_messages import RowMessages, event_message
 from host.capture.topics import EVENTS
 from host.record.recorder import Thinning
 from host.record.run_data import BiasEstimate, GnssBatch, Innovation, MotionBatch, SolutionBatch
@@ -52,6 +52,10 @@ class _Clock:
     def virtual_ns(self, clock_ns: int) -> int:
         """The virtual time at which it showed `clock_ns`."""
         return self.reset_ns + clock_ns * SECOND // self.rate
+
+
+RowMessage = tuple[str, int, bytes]
+"""Topic, time in ns, text."""
 
 
 class MissingRows:
@@ -114,6 +118,7 @@ class MissingRows:
         return self._found
 
     def _rows(self, topic: str, rows: Floats) -> None:
-        for message in self._row_messages.of(topic, rows):
-            if message[1] > self._last_ns.get(message[0], -1):
-                self._found.append(message)
+        for place, times_ns, texts in self._row_messages.of(topic, rows):
+            last_ns = self._last_ns.get(place, -1)
+            told = zip(times_ns, texts, strict=True)
+            self._found += [(place, t_ns, text) for t_ns, text in told if t_ns > last_ns]
