@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from firmware.apps.gfsins.menu_tree import LABELS
-from firmware.nav.gyro_free.twelve_positions import position_axes
 from hal.emulated.virtual_time import SECOND
 from host.calibrate.table_world import TableWorld, level
 from host.record.errors import UserError
@@ -44,6 +43,8 @@ AT_REST = re.compile(r"\d+/\d+ level, at rest")
 TURN_NOW = re.compile(r"turn now ([+-]\d+) deg/s")
 DISPLAY_ROWS, ROW_HEIGHT = 8, 8
 LIT = 8
+POINTS = {"N": (1, 0, 0), "S": (-1, 0, 0), "E": (0, 1, 0), "W": (0, -1, 0), "D": (0, 0, 1), "U": (0, 0, -1)}
+"""In north, east, down: the operator's own reading of the letters."""
 UPWARDS = {"x": "UEN", "y": "NUE", "z": "ENU"}
 """Attitudes with one axis up."""
 ALIGNED_AT = math.radians(40.0)
@@ -193,10 +194,10 @@ class Operator:
         """C_n_b. Raises UserError for a prompt that it does not understand."""
         twelve, turn, heading = TWELVE.fullmatch(prompt), TURN.fullmatch(prompt), HEADING.fullmatch(prompt)
         if twelve:
-            return position_axes("".join(twelve.groups())).T
+            return _pointed(twelve.groups())
         if turn:
             self._axis = turn.group(1)
-            return position_axes(UPWARDS[self._axis]).T
+            return _pointed(UPWARDS[self._axis])
         if heading:
             return level(math.radians(int(heading.group(1))) + self._world.declination)
         if AT_REST.fullmatch(prompt):
@@ -208,6 +209,14 @@ class Operator:
         assert told is not None
         axis = np.eye(3)["xyz".index(self._axis)]
         self._world.table.spin(axis, math.radians(int(told.group(1))), SPIN_S, self._session.now_ns)
+
+
+def _pointed(letters: Sequence[str]) -> NDArray[np.float64]:
+    """C_n_b of a body whose x, y, z point there. Raises UserError where no body can."""
+    c_nb = np.array([POINTS[letter] for letter in letters], np.float64).T
+    if not np.isclose(np.linalg.det(c_nb), 1.0):
+        raise UserError(f"the board's screen asks for x, y, z to {', '.join(letters)}: no table can do that")
+    return c_nb
 
 
 def _asks(turned: str, lines: list[str]) -> bool:

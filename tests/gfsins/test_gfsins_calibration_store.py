@@ -219,12 +219,9 @@ def test_nothing_is_kept_of_what_cannot_be_corrected(response: float, offset_mg:
     assert bool(held.values(cal.ACCELEROMETERS)) == bool(fits)
 
 
-def test_rates_within_five_sigmas_stay_nominal_beside_calibrated_accelerometers() -> None:
+def test_elements_of_the_rates_within_five_sigmas_stay_nominal() -> None:
     held = Calibration(flash(), Corrections())
     held.load()
-    rates = (1.04, 0.0, 0.0, 0.0, 1.06, 0.0, 0.0, 0.0, 1.02, *[0.0] * 3, *[0.01] * 12)
+    rates = (1.04, 0.0, -0.06, 0.0, 1.06, 0.0, 0.0, 0.0, 1.02, *[0.0] * 3, *[0.01] * 12)
     assert held.keep({cal.RATES: rates})
-    assert held.rate_matrix()[0::4] == pytest.approx([1.04, 1.06, 1.0])
-    assert held.keep({cal.ACCELEROMETERS: accelerometers()})
-    assert held.keep({cal.RATES: rates})
-    assert held.rate_matrix()[0::4] == pytest.approx([1.0, 1.06, 1.0])
+    assert held.rate_matrix() == pytest.approx([1.0, 0.0, -0.06, 0.0, 1.06, 0.0, 0.0, 0.0, 1.0])

@@ -30,10 +30,8 @@ and of the offset; then the matrix of the three at the origin. Rates: matrix, bi
 of the offset (3). Deviation: A … E and their σ (rad). Ellipse: soft iron xx, xy, yy, hard iron x, y (counts).
 Alignment: yaw, pitch, roll (rad), six offsets (m/s²)."""
 IDENTITY: Final = (1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
-SIGNIFICANT: Final = 3.0
-SIGNIFICANT_BESIDE: Final = 5.0
-"""The same where the accelerometers are calibrated: they tell the rates' scale to some 0.2 %, and of nine
-elements one that is wrong by 3 σ of a dozen turns is no rarity."""
+SIGNIFICANT: Final = 5.0
+"""σ of a dozen turns: of nine elements, one that is off by three of them is no rarity."""
 WHOLE: Final = Struct(f">{2 * AXES}i")
 
 
@@ -120,9 +118,8 @@ class Calibration:
     def rate_matrix(self) -> list[float]:
         """Of the rates, row by row; elements that are not significantly off the nominal ones stay nominal."""
         found, matrix = self.values(RATES), list(IDENTITY)
-        significant = SIGNIFICANT_BESIDE if ACCELEROMETERS in self._sections else SIGNIFICANT
         for k, sigma in enumerate(found[12:21]):
-            if abs(found[k] - IDENTITY[k]) > significant * sigma:
+            if abs(found[k] - IDENTITY[k]) > SIGNIFICANT * sigma:
                 matrix[k] = found[k]
         return matrix
 
