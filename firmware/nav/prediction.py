@@ -90,10 +90,23 @@ def predict(f):
         f[at.PARAMETER_TIME] += t
         begin_interval(f)
     if not f[at.PARAMETER_TIME] <= PARAMETER_PERIOD:
-        _walk_parameters(f, f[at.PARAMETER_TIME])
-        if f[cfg.EARTH_ERRORS] != ZERO:
-            _turn_with_earth(f, f[at.PARAMETER_TIME])
-        f[at.PARAMETER_TIME] = ZERO
+        _carry_parameters(f)
+
+
+@kernel
+def predict_with_parameters(f):
+    """The same, and parameters whenever they were carried last: for what is compared with another filter."""
+    predict(f)
+    if not f[at.PARAMETER_TIME] <= ZERO:
+        _carry_parameters(f)
+
+
+@kernel
+def _carry_parameters(f):
+    _walk_parameters(f, f[at.PARAMETER_TIME])
+    if f[cfg.EARTH_ERRORS] != ZERO:
+        _turn_with_earth(f, f[at.PARAMETER_TIME])
+    f[at.PARAMETER_TIME] = ZERO
 
 
 @kernel

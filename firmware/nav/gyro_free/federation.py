@@ -35,7 +35,7 @@ from firmware.nav.gyro_free.information import (
     largest_difference,
 )
 from firmware.nav.gyro_free.states import ALL, COMMON, COMPASS_ERROR, X_COMPASS_ERROR
-from firmware.nav.prediction import predict
+from firmware.nav.prediction import predict_with_parameters
 from firmware.numerics.dialect import kernel
 from firmware.numerics.fixed_position import metres_east, metres_north
 from firmware.numerics.quaternion import quaternion_product
@@ -247,7 +247,8 @@ def forget_compass(g, f):
 
 @kernel
 def predict_all(f1, f2, fm):
-    """Bring all covariances to now."""
-    predict(f1)
-    predict(f2)
-    predict(fm)
+    """Bring all covariances to now, that of the biases too: noise that one filter has by a fusion and the other
+    gets behind it would be lost between them."""
+    predict_with_parameters(f1)
+    predict_with_parameters(f2)
+    predict_with_parameters(fm)
