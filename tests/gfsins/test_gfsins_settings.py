@@ -106,6 +106,7 @@ def test_what_was_edited_outlives_a_reset() -> None:
             "scale         1.00000",
             "offset        +0.0 mg",
         ]
+        assert operator.session.board.chips["U8"].reports == [], "the compass was running, and got its delays"
 
 
 ON_MOSI = '{ probability = 0.02, line = "mosi" }'
