@@ -51,6 +51,7 @@ GROUPS: dict[str, tuple[str, ...]] = {
         "firmware.apps.car_mems.clock_watch",
         "firmware.apps.gfsins.compass_line",
         "firmware.apps.gfsins.packet_words",
+        "firmware.apps.gfsins.receiver_line",
         "firmware.apps.gfsins.navigation",
         "firmware.apps.gfsins.accelerometers",
         "firmware.apps.gfsins.acquisition",

@@ -20,7 +20,8 @@ from hal.emulated.spi import SpiChip
 from hal.emulated.virtual_time import VirtualTime
 
 READ: Final = 0x52
-ANSWER: Final = 24
+ANSWER: Final = 25
+"""A zero and six numbers."""
 BANDWIDTH_HZ: Final = 100.0
 USUAL_PERIOD_NS: Final = 5_000_000
 AHEAD: Final = 200
@@ -87,6 +88,8 @@ class EquivalentFeed(SpiChip):
             period = USUAL_PERIOD_NS
         times: NDArray[np.int64] = now + period * np.arange(AHEAD, dtype=np.int64)
         values = self._world.sample(times, BANDWIDTH_HZ)
-        ordered = np.concatenate((values[:, 3:6], values[:, 0:3]), axis=1).astype("<f4")
+        told = np.zeros((len(times), ANSWER), np.uint8)
+        told[:, 1:] = np.concatenate((values[:, 3:6], values[:, 0:3]), axis=1).astype("<f4").view(np.uint8)
         self._times = times.tolist()
-        self._rows = [b"\0" + row.tobytes() for row in ordered]
+        image = told.tobytes()
+        self._rows = [image[k : k + ANSWER] for k in range(0, len(image), ANSWER)]

@@ -63,6 +63,7 @@ class Acquisition:
         self._coefficients = self._calibration.packet_words()
         self._sync = io.outputs["sync"]
         self._slave = io.i2c_slaves["commands"]
+        self._clock, self._cpu = io.clock, io.cpu
         self._tick_cost = io.cpu.cost("tick")
         self._look_cost = io.cpu.cost("health")
         self._slave.begin(io.interrupts.attach("command", self._on_command))
@@ -122,7 +123,7 @@ class Acquisition:
         """A packet."""
         sync = self._sync
         sync.set(True)
-        tick_ns = self._io.clock.now_ns()
+        tick_ns = self._clock.now_ns()
         self._ticks += 1
         chips, words = self._chips, self._words
         chips.drain()
@@ -143,7 +144,7 @@ class Acquisition:
             self._raw, self._scales, self._offsets, words, data, sequence, tick_us, chips.fresh, faults, flags
         )
         self._sequence = sequence + 1 & 0xFFFF
-        self._io.cpu.spend(self._tick_cost)
+        self._cpu.spend(self._tick_cost)
         self._dropped += not self._sender.send(data.tobytes())
         sync.set(False)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,6 +29,9 @@ from firmware.nav.gyro_free.filters import (
 from firmware.nav.gyro_free.packet_door import PacketDoor
 
 POSITION_NOISE, HEIGHT_NOISE = 10.0, 10.0
+MODE: Final[int] = layout.MODE
+VELOCITY: Final[int] = layout.VELOCITY
+LEAST_MODE: Final[int] = NAVIGATING
 
 
 class Navigation(NavigationState):
@@ -68,7 +71,9 @@ class Navigation(NavigationState):
     @property
     def has_state(self) -> bool:
         """Whether the master navigates on numbers."""
-        return self._integers[layout.MODE] >= NAVIGATING and math.isfinite(self._numbers[layout.VELOCITY])
+        mode: int = self._integers[MODE]
+        velocity: float = self._numbers[VELOCITY]
+        return mode >= LEAST_MODE and velocity - velocity == 0.0
 
     def begin_again(self, tick_ns: int) -> bool:
         """The master has lost its state: all begin with that of a filter that has not. False: none has."""

@@ -68,7 +68,12 @@ class InertialSensor:
         channels = [
             f"{component}.{triad}_{axis}.noise" for triad in ("gyro", "accelerometer") for axis in AXES
         ]
-        self._noise = [generator(seed, name) for name in channels]
+        densities = self._constants[DENSITY : DENSITY + 6].tolist()
+        self._noise = [
+            generator(seed, name) if density else None
+            for name, density in zip(channels, densities, strict=True)
+        ]
+        """Of the channels that have noise."""
         self._slow: dict[int, Array] = {}
         self._output_changes = specimen.output.changes
 
@@ -91,9 +96,10 @@ class InertialSensor:
         """What `sample` gives at instants whose rows of truth (n, 24) the caller has already; the forces and
         rates in them may be means over the time since the instant before."""
         out = np.empty((len(times_ns), 7))
-        normals = np.empty((6, len(times_ns)))
+        normals = np.zeros((6, len(times_ns)))
         for channel, row in zip(self._noise, normals, strict=True):
-            channel.standard_normal(out=row)
+            if channel is not None:
+                channel.standard_normal(out=row)
         for chunk, part in split_by_chunk(times_ns):
             sense(
                 rows[part],
