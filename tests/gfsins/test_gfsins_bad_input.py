@@ -67,6 +67,15 @@ def test_a_command_channel_that_spoils_or_hangs_is_told_and_nothing_else(from_s:
     assert [text for text in told if text.startswith(("accelerometer", "compass:", "receiver"))] == []
 
 
+@pytest.mark.parametrize("entries", [1, 2])
+def test_a_fifo_that_is_never_empty_is_told(entries: int) -> None:
+    lies = fault("spi-register", "accelerometer6", 3.0, 2.5, register=0x39, value=entries)
+    driven = drive("static", "adxl345", "duration_s=9", f"fault=[{lies}]")
+    assert 3.0 < driven.said("accelerometer 6 missing") < 5.2
+    assert 5.5 < driven.said("accelerometer 6 no longer missing") < 8.7
+    assert not any("accelerometer" in text and " 6 " not in text for _, text in driven.words())
+
+
 def test_without_sync_line_packets_date_the_ticks() -> None:
     driven = struck()
     assert driven.said("sync line lost", 32.0) < 32.8

@@ -2,6 +2,9 @@
 
 The chips run on clocks of their own: a tick finds none, one or two new samples in a FIFO. All are read, the
 newest is used; without a new one the one before stands for it, for GRACE_TICKS at most.
+
+Each chip is asked once a second whether its FIFO is empty behind a tick. One that never says so counts
+wrongly, and what is read of it grows old: it is missing until it counts again.
 """
 
 from __future__ import annotations
@@ -22,6 +25,10 @@ RANGE_G: Final = 16
 GRACE_TICKS: Final = 4
 """Ticks without a sample, or samples all alike, from which a chip counts as missing or stuck."""
 STUCK_SAMPLES: Final = 20
+LOOKS_APART: Final = 200
+"""Ticks from one look whether a FIFO is empty to the next; a chip a tick."""
+MOST_NEW: Final = 2
+"""Samples that can come while it is looked."""
 STATUS_REQUEST: Final = bytearray((READ | Register.FIFO_STATUS, 0))
 BURST_REQUEST: Final = bytearray(SAMPLE_REQUEST)
 """Assigning one bytearray to another takes a third of the time of bytes."""
@@ -47,6 +54,10 @@ class Accelerometers:
         """The newest sample of each."""
         self.counts = [0, 0, 0, 0]
         """Reads that found none, one, two, more new samples."""
+        self._miscounting = 0
+        """Bit k: the FIFO of chip k + 1 is never empty."""
+        self._looked = LOOKS_APART // 2
+        """Half a second from when a missing chip is brought up anew."""
         self._held = 0
         """Bit k: chip k + 1 is being brought up, the tick leaves it alone."""
         self._transactions = [device.transaction for device in devices]
@@ -75,7 +86,7 @@ class Accelerometers:
         self._silent_ticks[chip] = GRACE_TICKS if outcome is not Outcome.OK else 0
         self._alike[chip] = 0
         if outcome is Outcome.OK:
-            self.missing &= ~bit
+            self.missing &= ~bit | self._miscounting
             self.stuck &= ~bit
         else:
             self.missing |= bit
@@ -107,11 +118,29 @@ class Accelerometers:
             transaction(buffer)
             fresh |= 1 << chip
             silent[chip] = 0
+        self._looked = looked = (self._looked + 1) % LOOKS_APART
+        if looked < CHIPS and fresh >> looked & 1:
+            self._look_whether_empty(looked)
         self.fresh = fresh & ~self.missing
         self.raw[:] = b"".join(buffers)
         alike: int = self._compare(self._now, self._before, fresh)
         if alike or self._some_alike:
             self._count_alike(alike, fresh)
+
+    def _look_whether_empty(self, chip: int) -> None:
+        """Behind its sample at this tick; what has come since is read, too."""
+        status, transaction, buffer = self._status, self._transactions[chip], self._buffers[chip]
+        for _ in range(MOST_NEW + 1):
+            status[:] = STATUS_REQUEST
+            transaction(status)
+            if not status[1] & ENTRIES_MASK:
+                self._miscounting &= ~(1 << chip)
+                return
+            buffer[:] = BURST_REQUEST
+            transaction(buffer)
+            self._spend(self._pop_cycles)
+        self._miscounting |= 1 << chip
+        self.missing |= 1 << chip
 
     def _found_none(self, chip: int) -> None:
         self._silent_ticks[chip] += 1

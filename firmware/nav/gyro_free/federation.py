@@ -247,8 +247,8 @@ def forget_compass(g, f):
 
 @kernel
 def predict_all(f1, f2, fm):
-    """Bring all covariances to now, that of the biases too: noise that one filter has by a fusion and the other
-    gets behind it would be lost between them."""
+    """Bring all covariances to now, that of the biases too: noise that one filter has by a fusion and the
+    other gets behind it would be lost between them."""
     predict_with_parameters(f1)
     predict_with_parameters(f2)
     predict_with_parameters(fm)
