@@ -112,12 +112,14 @@ def _compile(group: str, folder: Path) -> None:
 
 
 def _drop_older(parent: Path, group: str) -> None:
-    """All but the last builds of a group in this environment, and what interrupted ones have left. A process
-    that has a dropped one open keeps it."""
+    """All but the last builds of a group in this environment, those of groups that are no more, and what
+    interrupted ones have left. A process that has a dropped one open keeps it."""
     ages = {folder: time.time() - folder.stat().st_mtime for folder in parent.iterdir()}
     built = sorted((path for path in ages if path.name.startswith(f"{group}-")), key=ages.__getitem__)
     interrupted = [path for path in ages if path.name.startswith(UNFINISHED) and ages[path] > LONGEST_BUILD_S]
-    for path in [*built[BUILDS_KEPT:], *interrupted]:
+    known = tuple(f"{name}-" for name in (*GROUPS, UNFINISHED.removesuffix("-")))
+    strangers = [path for path in ages if not path.name.startswith(known)]
+    for path in [*built[BUILDS_KEPT:], *strangers, *interrupted]:
         shutil.rmtree(path, ignore_errors=True)
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 import struct
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,6 +63,7 @@ class Bmi160Traffic:
 
     def __init__(self) -> None:
         self._registers = dict(DEFAULTS)
+        self._period_ticks = _period_ticks(self._registers)
         self._rows: list[tuple[int, float, float, float, float, float, float]] = []
         self._temperatures: list[tuple[int, float]] = []
         self._last_ns = -1
@@ -110,6 +111,7 @@ class Bmi160Traffic:
             self._registers = dict(DEFAULTS)
         elif address in self._registers:
             self._registers[address] = value
+        self._period_ticks = _period_ticks(self._registers)
 
     def _read(self, address: int, data: bytes, time_ns: int) -> None:
         if len(set(data)) == 1 and data[0] in (0x00, 0xFF) and len(data) > 1:
@@ -145,13 +147,8 @@ class Bmi160Traffic:
             )
         )
 
-    def _period_ticks(self) -> int:
-        """Of the faster of both sensors: 25,600 ticks a second, 100 / 2^(8 − code) samples."""
-        code = max(self._registers[ACC_CONF] & 0x0F, self._registers[GYR_CONF] & 0x0F)
-        return 1 << max(0, 16 - code)
-
     def _period_ns(self) -> int:
-        return round(self._period_ticks() * TICK_NS)
+        return round(self._period_ticks * TICK_NS)
 
     def _age_ns(self, data: bytes) -> int:
         """How long before the read the sample was taken; 0 for a read without the sensor time."""
@@ -159,7 +156,13 @@ class Bmi160Traffic:
         if len(data) < place + 3:
             return 0
         ticks = int.from_bytes(data[place : place + 3], "little")
-        return round((ticks % self._period_ticks()) * TICK_NS)
+        return round((ticks % self._period_ticks) * TICK_NS)
+
+
+def _period_ticks(registers: Mapping[int, int]) -> int:
+    """Of the faster of both sensors: 25,600 ticks a second, 100 / 2^(8 − code) samples."""
+    code = max(registers[ACC_CONF] & 0x0F, registers[GYR_CONF] & 0x0F)
+    return 1 << max(0, 16 - code)
 
 
 def register_access(done: I2cTransfer, clock_hz: int) -> SpiTransaction | None:

@@ -71,6 +71,8 @@ CAPTURE_FORMAT = "navtwin-capture-4"
 FORMAT_3, FORMAT_2 = "navtwin-capture-3", "navtwin-capture-2"
 """3 had added I²C buses and the senders of CAN frames, 2 pins, marks and exact times of lines into boards."""
 FLUSH_EVERY_NS = 900_000_000
+ROOM = 1 << 16
+"""Bytes that the file gathers: most chunks go to the system at once."""
 IMU_TEXT = "{" + ",".join(f'"{name}":%.{n}f' for name, n in zip(IMU.columns, IMU.decimals, strict=True)) + "}"
 """A row of IMU; all of it are numbers."""
 
@@ -97,7 +99,7 @@ class CaptureWriter:
     def __init__(self, path: Path, manifest: Mapping[str, Any]) -> None:
         self.path = path
         self.part = path.with_name(path.name + ".part")
-        self._file: BinaryIO = self.part.open("wb")
+        self._file: BinaryIO = self.part.open("wb", buffering=ROOM)
         self._writer = McapFile(self._file, profile="navtwin", library="navtwin")
         text = json.dumps(manifest, indent=1, sort_keys=True).encode()
         self._writer.add_attachment("manifest.json", "application/json", text)

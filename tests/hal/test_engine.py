@@ -128,8 +128,8 @@ def test_what_an_interrupted_build_left_goes_with_a_later_one_but_never_a_runnin
     builds = _pretend_to_compile(tmp_path, monkeypatch)
     old, running = builds / "being-built-old", builds / "being-built-now"
     complete = [builds / f"{GROUP}-{age}" for age in range(6)]
-    other_group = builds / "firmware-0"
-    for folder in (old, running, other_group, *complete):
+    other_group, of_no_group = builds / "firmware-0", builds / "7d90e8e0d2bf4d53"
+    for folder in (old, running, other_group, of_no_group, *complete):
         folder.mkdir(parents=True)
     now = running.stat().st_mtime
     os.utime(old, (now - 7200, now - 7200))
