@@ -12,6 +12,7 @@ older than FORGOTTEN_NS gives none and does not count.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from boards.chips.adxl345.chip import Adxl345
@@ -29,7 +30,7 @@ Teller = Callable[[], int | None]
 
 def sample_tellers(chips: Mapping[str, Any]) -> list[Teller]:
     """Of all chips that can tell which sample was read last."""
-    return [lambda chip=chip: read_sample_ns(chip) for chip in chips.values() if isinstance(chip, Adxl345)]  # type: ignore[misc]
+    return [partial(read_sample_ns, chip) for chip in chips.values() if isinstance(chip, Adxl345)]
 
 
 class AgeOfData:
@@ -47,8 +48,8 @@ class AgeOfData:
             return
         clock_us = int.from_bytes(data[HEADER_LENGTH : HEADER_LENGTH + 8], "little")
         epoch_ns = self._virtual_ns(clock_us * 1000)
-        read = [read_ns for tell in self._tellers if (read_ns := tell()) is not None]
-        recent = [read_ns for read_ns in read if sent.begin - read_ns < FORGOTTEN_NS]
+        after = sent.begin - FORGOTTEN_NS
+        recent = [ns for tell in self._tellers if (ns := tell()) is not None and ns > after]
         if not recent or max(recent) > epoch_ns + LATER_NS:
             return
         oldest_ns = min(recent)

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import defaultdict
 
 STEP_US = 10
 """Resolution of the percentile."""
+STEP_NS = STEP_US * 1000
 AGE_FIGURES = tuple(
     f"{name}_{figure}_us"
     for name in ("age_of_data", "sample_to_epoch", "epoch_to_line")
@@ -18,15 +19,16 @@ class Ages:
     """Ages of one kind, ns."""
 
     def __init__(self) -> None:
-        self._steps: Counter[int] = Counter()
+        self._steps: defaultdict[int, int] = defaultdict(int)
         self._count = self._sum = self._largest = 0
 
     def add(self, age_ns: int) -> None:
         """One more."""
         self._count += 1
         self._sum += age_ns
-        self._largest = max(self._largest, age_ns)
-        self._steps[age_ns // (STEP_US * 1000)] += 1
+        if age_ns > self._largest:
+            self._largest = age_ns
+        self._steps[age_ns // STEP_NS] += 1
 
     def figures(self) -> tuple[float | None, float | None, float | None]:
         """Mean, 95 % and largest, µs."""

@@ -9,6 +9,7 @@ read    STATUS: mark, starts of the FPGA, chips missing, stuck, at odds with the
 
 from __future__ import annotations
 
+from functools import lru_cache
 from struct import Struct
 from typing import Final
 
@@ -30,12 +31,14 @@ STATUS_BYTES: Final = STATUS.size + SUM.size
 BYTE: Final = 0xFF
 
 
+@lru_cache(maxsize=4)
 def pack_status(*values: int) -> bytes:
-    """What a read gives: the numbers of STATUS and their sum."""
+    """What a read gives: the numbers of STATUS and their sum. Mostly they are those of the time before."""
     data = STATUS.pack(*values)
     return data + SUM.pack(check_sum(data))
 
 
+@lru_cache(maxsize=4)
 def open_status(data: bytes) -> tuple[int, ...] | None:
     """The numbers of STATUS; None: spoilt, or of one that has not begun."""
     told, given = data[: STATUS.size], data[STATUS.size :]

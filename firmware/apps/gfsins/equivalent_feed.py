@@ -16,6 +16,8 @@ from hal.spi import SpiDevice
 
 LENGTH: Final = 25
 REQUEST: Final = bytearray((0x52, *bytes(LENGTH - 1)))
+WHOLE: Final = slice(None)
+"""`[:]`, made once."""
 
 
 class EquivalentFeed:
@@ -36,6 +38,6 @@ class EquivalentFeed:
         if self._device is None:
             return
         buffer = self._buffer
-        buffer[:] = REQUEST
+        buffer[WHOLE] = REQUEST
         self._device.transaction(buffer)
-        self._bytes[:] = self._answer
+        self._bytes[WHOLE] = self._answer

@@ -49,5 +49,6 @@ class FilterFrames:
         self._solution(*state, self._floats, self._integers)
         time_ns, latitude, longitude = self._integers[: record.LON_NANODEG + 1].tolist()
         status = int(self._navigation.federation.n[gl.STATUS + which])
-        numbers = np.delete(self._floats, RATE).tolist()
+        numbers = self._floats.tolist()
+        del numbers[RATE]
         return PACK(max(time_ns, 0) // 1000, which, status, latitude, longitude, *numbers)
