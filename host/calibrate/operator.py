@@ -28,7 +28,7 @@ LONGEST_S = 60.0
 """Until the board asks for the next thing."""
 MOST_REFUSALS = 5
 """Of one position."""
-PATIENCE_NS = SECOND
+PATIENCE_NS = 3 * SECOND
 """After a refusal."""
 WARNED_NS = 15 * SECOND
 """From power-up, until a warning on the first page is believed."""
@@ -36,6 +36,10 @@ SPIN_S = 5.0
 ENDS = "done", "FAILED"
 """Of a procedure, at the end of its title."""
 FIRST_PAGE = "SETTINGS", "! "
+MOST_PAGES = 10
+"""On top of each other."""
+TITLE = 12
+"""Characters of a title that always stand."""
 TWELVE = re.compile(r"\d+/\d+ x ([NSEWUD]), y ([NSEWUD]), z ([NSEWUD])")
 TURN = re.compile(r"\d+/\d+ ([xyz]) up ([+-]\d+) deg/s")
 HEADING = re.compile(r"\d+/\d+ heading (\d+)")
@@ -80,6 +84,7 @@ class Operator:
         """A whole procedure, from the first page and back to it."""
         begun_ns = self._session.now_ns
         account = Account(name)
+        self._go_home()
         self._choose(LABELS[name])
         self._press("OK")
         self._press("OK")
@@ -87,6 +92,14 @@ class Operator:
         account.took_s = (self._session.now_ns - begun_ns) / SECOND
         self._press("OK" if account.done else "BACK")
         return account
+
+    def _go_home(self) -> None:
+        """To the first page, from wherever a reset of the board has left it."""
+        for _ in range(MOST_PAGES):
+            lines = self._until(lambda lines: bool(lines[-1]) or lines[0].startswith(FIRST_PAGE), "a page")
+            if lines[0].startswith(FIRST_PAGE):
+                return
+            self._press("BACK")
 
     # -- the screen --------------------------------------------------------------------------------
 
@@ -141,13 +154,14 @@ class Operator:
 
     def _work(self, account: Account) -> None:
         answered, turned, in_a_row = "", "", 0
+        title = LABELS[account.name][:TITLE]
         while True:
-            lines = self._until(partial(_asks, turned), "what to do next")
+            lines = self._until(partial(_asks, title, turned), "what to do next")
             if lines[0].endswith(ENDS):
                 account.done = lines[0].endswith(ENDS[0])
                 account.lines = self._whole_result()
                 return
-            if lines[0].startswith(FIRST_PAGE):
+            if not lines[0].startswith(title):
                 account.lines = ["the board has begun anew"]
                 return
             asked = lines[2]
@@ -167,7 +181,7 @@ class Operator:
             self._bring_into(asked)
             self._press("OK")
             answered = asked
-            self._until(partial(_takes, asked), "that it collects")
+            self._until(partial(_takes, title, asked), "that it collects")
 
     def _whole_result(self) -> list[str]:
         """All of it, line by line below the title."""
@@ -219,15 +233,15 @@ def _pointed(letters: Sequence[str]) -> NDArray[np.float64]:
     return c_nb
 
 
-def _asks(turned: str, lines: list[str]) -> bool:
-    """Whether something is to be done: a key, another turn than the last, or the end."""
-    if lines[0].endswith(ENDS) or lines[0].startswith(FIRST_PAGE):
+def _asks(title: str, turned: str, lines: list[str]) -> bool:
+    """Whether something is to be done: a key, another turn than the last, or the end, also by a reset."""
+    if lines[0].endswith(ENDS) or not lines[0].startswith(title):
         return True
     if TURN_NOW.fullmatch(lines[2]):
         return lines[2] != turned
     return "OK: it stands so" in lines[7]
 
 
-def _takes(asked: str, lines: list[str]) -> bool:
+def _takes(title: str, asked: str, lines: list[str]) -> bool:
     """Whether the key was heard: another prompt, or a refusal."""
-    return lines[2] != asked or bool(lines[6]) or lines[0].startswith(FIRST_PAGE)
+    return lines[2] != asked or bool(lines[6]) or not lines[0].startswith(title)

@@ -155,6 +155,16 @@ def test_a_spoilt_store_is_calibrated_anew(tmp_path: Path) -> None:
     assert [set(sections) for _, sections in written] == [{cal.CORRECTIONS, cal.ALIGNMENT}]
 
 
+def test_a_reset_that_leaves_the_operator_on_another_page_costs_one_procedure(tmp_path: Path) -> None:
+    target = tmp_path / "figures.json"
+    request = RunRequest("gfsins", overrides=(f"fault=[{fault('cpu-reset', 'fpga', 11.5)}]",))
+    outputs = Outputs(None, None, str(target), True)
+    assert execute(request, ["accelerometers", "alignment"], outputs) == 1
+    lost, found = json.loads(target.read_text(encoding="utf-8"))["procedures"]
+    assert (lost["done"], lost["screen"]) == (False, ["the board has begun anew"])
+    assert found["done"]
+
+
 def test_procedures_come_in_the_order_in_which_they_build_on_each_other() -> None:
     assert procedures_of(["compass", "accelerometers"]) == ("accelerometers", "compass")
     assert procedures_of([]) == ("accelerometers", "rates", "compass", "alignment")
