@@ -19,6 +19,7 @@ from firmware.drivers.adxl345_ports import READ, SAMPLE_REQUEST, SpiPort
 from firmware.drivers.adxl345_sample import SAMPLE_LENGTH
 from firmware.numerics.dialect import entry_point
 from hal.board_io import BoardIo
+from hal.machine_code import mypyc_attr
 
 RATE_HZ: Final = 200
 RANGE_G: Final = 16
@@ -37,6 +38,7 @@ WHOLE: Final = slice(None)
 """`[:]`, made once."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Accelerometers:
     """The seven chips, A1 … A6 on the arms and the seventh at the origin."""
 

@@ -27,6 +27,7 @@ from firmware.drivers.hmc6343 import Outcome as CompassOutcome
 from firmware.nav.gyro_free import packet as pk
 from firmware.numerics.dialect import entry_point
 from hal.board_io import BoardIo
+from hal.machine_code import mypyc_attr
 
 LOOKS_PER_S: Final = 10
 TICKS_PER_LOOK: Final = TICKS_PER_S // LOOKS_PER_S
@@ -34,6 +35,7 @@ WATCHDOG_NS: Final = 4_000_000_000
 COMPASS_OUTCOMES: Final = tuple(CompassOutcome)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Acquisition:
     """Implements `hal.board_io.Program`."""
 

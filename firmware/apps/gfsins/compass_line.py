@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from firmware.drivers.hmc6343 import Hmc6343, Hmc6343Config, Outcome
 from hal.board_io import BoardIo
+from hal.machine_code import mypyc_attr
 
 RATE_HZ = 10
 RETRY_LOOKS = 20
@@ -16,6 +17,7 @@ BAD_LOOKS = 5
 HEADINGS, TILTS = 3600, 900
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class CompassLine:
     """Owns the compass; `take` hands each reading over once."""
 

@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hal.machine_code import mypyc_attr
 from hal.spi import SpiDevice
 
 LENGTH: Final = 25
@@ -20,6 +21,7 @@ WHOLE: Final = slice(None)
 """`[:]`, made once."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class EquivalentFeed:
     """Fills what the packet door takes beside a packet."""
 

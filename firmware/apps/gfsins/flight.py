@@ -20,6 +20,7 @@ from firmware.nav.gyro_free import packet as pk
 from firmware.nav.gyro_free.filters import Beginning
 from firmware.nav.gyro_free.packet_door import FUSED
 from hal.board_io import BoardIo
+from hal.machine_code import mypyc_attr
 
 SECOND_NS: Final = 1_000_000_000
 SLOW_FRAMES_TICKS: Final = 8
@@ -28,6 +29,7 @@ LONGEST_GAP_NS: Final = 2 * SECOND_NS
 """Without packets; what nine accelerometers make of the rate is worth nothing behind it."""
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Flight:
     """From packets to solutions."""
 

@@ -27,6 +27,7 @@ from firmware.nav.gyro_free.filters import (
     new_federation,
 )
 from firmware.nav.gyro_free.packet_door import PacketDoor
+from hal.machine_code import mypyc_attr
 
 POSITION_NOISE, HEIGHT_NOISE = 10.0, 10.0
 MODE: Final[int] = layout.MODE
@@ -34,6 +35,7 @@ VELOCITY: Final[int] = layout.VELOCITY
 LEAST_MODE: Final[int] = NAVIGATING
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Navigation(NavigationState):
     """Filters side by side; `f` and `i` are the master's."""
 

@@ -7,10 +7,12 @@ from firmware.drivers.gr87 import BAUD_RATES, Gr87Setup
 from firmware.drivers.receiver_stream import ReceiverStream
 from firmware.drivers.sentence_setup import SentenceConfigurator, SetupPhase
 from hal.board_io import BoardIo
+from hal.machine_code import mypyc_attr
 
 PHASES = tuple(SetupPhase)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class ReceiverLine(ReceiverPort):
     """Owns the receiver's port."""
 

@@ -14,6 +14,7 @@ import numpy as np
 from firmware.nav.gyro_free import packet as pk
 from firmware.numerics.dialect import entry_point
 from hal.board_io import BoardIo
+from hal.machine_code import mypyc_attr
 
 PACKETS_IN_RING: Final = 2
 RING: Final = PACKETS_IN_RING * pk.BYTES
@@ -25,6 +26,7 @@ WORD_MASK: Final = 0xFFFF
 NEVER_NS: Final = -(10**15)
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class Reception:
     """Owns the receiver. `take` is called with each good packet's words in `words`, their time on the DSP's
     clock, in the task `navigation`."""

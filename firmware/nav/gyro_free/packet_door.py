@@ -23,6 +23,7 @@ from firmware.nav.gyro_free.packet_step import (
 )
 from firmware.nav.gyro_free.steps import compass_step, fusion_step, gps_step
 from firmware.numerics.dialect import entry_point
+from hal.machine_code import mypyc_attr
 
 SAMPLE_USED: Final = USED
 COMPASS_BELIEVED: Final = 2
@@ -33,6 +34,7 @@ RESTARTED_NS: Final = 1_000_000_000
 UNKNOWN_GAP_NS: Final = 500_000_000
 
 
+@mypyc_attr(allow_interpreted_subclasses=True)
 class PacketDoor:
     """Kernels and arrays of one federation."""
 
