@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
 from boards.assembly import AssembledBoard
+from boards.description import Board
 from hal.can import CanFrame
 from hal.emulated.can import CanNode
 from host.record.errors import UserError
@@ -18,7 +19,16 @@ from host.run.faults import Placed, name_of, place_on_board
 from host.sim.scenario.schema import Fault
 
 OWN_FAULTS = ("can-disturbance", "log-removed", "nav-nan", "cpu-reset")
-"""Kinds of faults that strike neither a chip nor a wire into the board."""
+"""Kinds of faults that strike neither a chip nor a wire into the board …"""
+
+
+def is_own(fault: Fault, board: Board) -> bool:
+    """… and all faults of what joins its processors, which no recorded traffic shows."""
+    driven = {pin.net for pin in board.pins.values() if pin.use == "output"}
+    between = fault.target in board.interconnects or (fault.kind == "pin-stuck" and fault.target in driven)
+    return fault.kind in OWN_FAULTS or between
+
+
 OUTSIDE_NODE = "outside"
 """Name of the node through which frames from outside come."""
 BETWEEN_SLICES = 1 << 30
@@ -63,7 +73,7 @@ class ControlTape:
 
     def _inject(self, message: Mapping[str, Any]) -> None:
         fault = Fault.model_validate(message["fault"])
-        if fault.kind in OWN_FAULTS and fault.name is not None:
+        if is_own(fault, self._board.description) and fault.name is not None:
             placed = place_on_board(fault, self._board, self._seed, self._board.time.now)
             self._placed[fault.name] = placed
 

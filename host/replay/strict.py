@@ -36,7 +36,7 @@ from host.capture.reader import CaptureReader, Window
 from host.capture.writer import CAPTURE_FORMAT, FORMAT_2, FORMAT_3
 from host.record.errors import UserError
 from host.replay.comparison import Comparison, Difference, shown_bytes, shown_transfer
-from host.replay.control_tape import OWN_FAULTS, ControlTape
+from host.replay.control_tape import ControlTape, is_own
 from host.replay.request import REPLAY_FORMAT, ReplayRequest
 from host.replay.setting import board_text_differs, recorded_setup
 from host.replay.stand_ins import (
@@ -151,7 +151,7 @@ class Player:
         description, tapes = with_stand_ins(setup.board)
         self._reader = reader
         self.board = board = assemble(description, setup.profile, NoSurroundings())
-        own = [fault for fault in setup.scenario.fault if fault.kind in OWN_FAULTS]
+        own = [fault for fault in setup.scenario.fault if is_own(fault, description)]
         self._control = ControlTape(board, seed, place_faults(own, board, {}, seed, FAR))
         outputs = _output_nets(setup.board)
         can_schema = OLD_CAN_SCHEMA if reader.format == FORMAT_2 else CAN_SCHEMA

@@ -127,7 +127,7 @@ class Accelerometers:
             self._look_whether_empty(looked)
         self.fresh = fresh & ~self.missing
         self.raw[WHOLE] = b"".join(buffers)
-        alike: int = self._compare(self._now, self._before, fresh)
+        alike = int(self._compare(self._now, self._before, fresh))
         if alike or self._some_alike:
             self._count_alike(alike, fresh)
 
