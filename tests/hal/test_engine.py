@@ -160,7 +160,7 @@ def test_sources_that_change_during_the_build_are_not_taken_for_what_was_built(
 def test_a_refusal_of_the_translator_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     source = tmp_path / "hal" / "emulated" / "virtual_time.py"
     source.parent.mkdir(parents=True)
-    source.write_text("now: int = 'noon'\n")
+    source.write_text("now = = 'noon'\n")
     monkeypatch.setattr(sys, "prefix", str(tmp_path))
     monkeypatch.setattr(engine, "_ROOT", tmp_path)
     monkeypatch.setattr(engine_build, "PACKAGE_ROOT", tmp_path)
