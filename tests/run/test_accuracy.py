@@ -60,6 +60,11 @@ def test_real_drive_beats_its_receiver() -> None:
         pytest.skip("needs NAVTWIN_DATA")
     result = _run("real-drive")
     assert result.metrics["position_horizontal_rms_m"] <= result.gnss["position_horizontal_rms_m"]
+    assert result.recording is not None
+    fused, receiver = (
+        result.recording[one]["after_position_horizontal_rms_m"] for one in ("fused", "gnss")
+    )  # time shift and offset fitted for each
+    assert fused <= receiver
     cuts = [outage.horizontal_drift_m for outage in _run("real-drive-cuts").outages]
     assert len(cuts) == 4
     assert max(cuts) <= 5.0

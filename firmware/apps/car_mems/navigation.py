@@ -80,7 +80,8 @@ class Navigation(NavigationState):
 def nav_config(settings: Settings, installation: Mapping[str, Any], pulse_wired: bool) -> NavConfig:
     """Navigation's configuration for a profile and an installation.
 
-    Lever arms are measured from the vehicle's origin, the point that does not slip sideways.
+    Lever arms are measured from the vehicle's origin, the point that does not slip sideways. Position follows
+    the receiver within 2.5 epochs at any rate: errors of epochs that come quicker are more alike.
     """
     mounting = installation["imu"]["C_b_s"]
     sensor = installation["imu"]["lever_arm_m"]
@@ -97,6 +98,7 @@ def nav_config(settings: Settings, installation: Mapping[str, Any], pulse_wired:
         constraint_lever_arm=(-sensor[0], -sensor[1], -sensor[2]),
         constraint=settings.aiding,
         standstill=settings.aiding,
+        position_walk=NavConfig.position_walk * settings.gnss_rate_hz,
         rate_limit=float(RANGE_END * RAD_PER_LSB),
         accel_limit=float(RANGE_END * METRE_PER_S2_PER_LSB),
         **choices,
