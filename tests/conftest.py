@@ -22,6 +22,9 @@ LONGEST_FIRST = (
 """Folders by their time, waiting for clocks included; those that only compute before those that keep pace
 with a clock, while mypy runs beside them; all others come after them by name."""
 
+SAME_WORKER = {"live": "serve"}
+"""Both speak CAN over multicast, where whoever listens on the port hears every group: never at the same time."""
+
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
@@ -31,7 +34,8 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
     class ByFolder(LoadScopeScheduling):
         def _split_scope(self, nodeid: str) -> str:
-            return folder_of(nodeid)
+            folder = folder_of(nodeid)
+            return SAME_WORKER.get(folder, folder)
 
     config.option.loadscopereorder = False
     return ByFolder(config, log)
