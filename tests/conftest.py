@@ -23,7 +23,7 @@ LONGEST_FIRST = (
 with a clock, while mypy runs beside them; all others come after them by name."""
 
 SAME_WORKER = {"live": "serve"}
-"""Both speak CAN over multicast, where whoever listens on the port hears every group: never at the same time."""
+"""Both speak CAN over multicast, where whoever listens on a port hears every group: never at once."""
 
 
 @pytest.hookimpl(optionalhook=True)
