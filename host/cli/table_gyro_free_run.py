@@ -10,9 +10,11 @@ from host.cli.output_files import check_files, for_people, write_json
 from host.cli.terminal import print_section
 from host.record.atomic import write_whole
 from host.record.errors import UserError
-from host.tables import board_failures, federated_page, rate_page
+from host.tables import federated_page, rate_page
+from host.tables.board_failures import board_failure_rows
 from host.tables.federated_rows import failure_rows, filter_rows
 from host.tables.rate_methods import rate_rows
+from host.tables.sensor_failure import failure_section
 
 RATES_FORMAT = "navtwin-rate-table-1"
 FEDERATED_FORMAT = "navtwin-federated-table-1"
@@ -65,10 +67,22 @@ def show_federated(
     failed = list(failure_rows(FAILURE_DRIVE_S, chosen[0])) if failures else []
     sections = [federated_page.filter_section(filters, duration, len(chosen))]
     if failed:
-        sections.append(federated_page.failure_section(failed))
-    on_board = list(board_failures.board_failure_rows(chosen[0])) if board else []
+        sections.append(
+            failure_section(
+                "One sub-filter's sensor fails",
+                "Federated, fusion-feedback: the global solution from the beginning of the failure on.",
+                failed,
+            )
+        )
+    on_board = list(board_failure_rows(chosen[0])) if board else []
     if on_board:
-        sections.append(board_failures.section(on_board))
+        sections.append(
+            failure_section(
+                "One sub-filter's sensor fails, on the board",
+                "The board on scenario chapter5, fusion-feedback: its words and its solution.",
+                on_board,
+            )
+        )
     console = for_people(json_file)
     if not quiet:
         for one in sections:
@@ -81,8 +95,8 @@ def show_federated(
     about = {"format": FEDERATED_FORMAT, "duration_s": duration, "seeds": list(chosen), "met": met}
     rows = {
         "filters": [federated_page.filter_dict(row) for row in filters],
-        "failures": [federated_page.failure_dict(row) for row in failed],
-        "board_failures": [board_failures.to_dict(row) for row in on_board],
+        "failures": [row.to_dict() for row in failed],
+        "board_failures": [row.to_dict() for row in on_board],
     }
     write_json(about | rows, json_file)
     return EXIT_MET if met else EXIT_NOT_MET

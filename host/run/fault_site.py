@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from boards.assembly import AssembledBoard
 from boards.hints import did_you_mean
+from hal.emulated.virtual_time import FAR
 from host.record.errors import UserError
 from host.sim.scenario.schema import Fault
 
@@ -61,6 +62,10 @@ class Site:
         return {**defaults, **self.fault.parameters}
 
 
+Maker = Callable[[Site], Effect]
+"""Puts a kind of fault where it strikes. Raises ValueError for what cannot be."""
+
+
 def _is_like(value: Any, example: Any) -> bool:
     """Whether a parameter is of the kind of its default; a whole number may stand for any number."""
     if isinstance(example, float):
@@ -74,3 +79,28 @@ def target_in(fault: Fault, table: Any, what: str) -> Any:
         hint = did_you_mean(fault.target, table)
         raise UserError(f"fault {name_of(fault)!r}: the board has no {what} {fault.target!r}; {hint}")
     return table[fault.target] if isinstance(table, dict) else None
+
+
+def once(site: Site, begin: Callable[[], Any], end: Callable[[], Any] | None = None) -> Effect:
+    """A fault that happens at an instant, and perhaps ends at another."""
+    fired = 0
+    over = False
+
+    def strike() -> None:
+        nonlocal fired
+        if not over:
+            fired += 1
+            begin()
+
+    def pass_over() -> None:
+        nonlocal over
+        if fired and not over and end is not None:
+            end()
+        over = True
+
+    site.board.time.at(site.start, strike)
+    if end is None:
+        return Effect(lambda: fired)
+    if site.end < FAR:
+        site.board.time.at(site.end, pass_over)
+    return Effect(lambda: fired, pass_over)

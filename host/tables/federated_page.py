@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
 from html import escape
 from typing import Any
 
@@ -14,7 +13,7 @@ from host.report.charts import FUSED, GNSS, OUTAGE_LINE, Chart, line
 from host.report.html import chart_block, chart_scripts, document, table
 from host.report.numbers import NONE, counted, number
 from host.report.summary import MET, NOT_MET, Section
-from host.tables.federated_rows import FailureRow, FilterRow
+from host.tables.federated_rows import FilterRow
 
 TITLE = "Filters side by side on the conditions of chapter 5"
 COLOURS = (FUSED, GNSS, OUTAGE_LINE)
@@ -47,32 +46,6 @@ def filter_section(rows: Sequence[FilterRow], duration_s: int, seeds: int) -> Se
     return Section(TITLE, columns, tuple(cells), 3, note)
 
 
-def failure_section(rows: Sequence[FailureRow]) -> Section:
-    """One row a failure."""
-    cells = [
-        (
-            f"{row.failure.sensor} {row.failure.kind}",
-            row.cause,
-            _seconds(row.detected_s),
-            _seconds(row.recovered_s),
-            number(row.worst_position),
-            f"{math.degrees(row.worst_yaw):.3f}",
-            MET if row.met else NOT_MET,
-        )
-        for row in rows
-    ]
-    columns = (
-        "for 60 s", "seen as", "isolated after, s", "trusted again after, s", "worst position, m",
-        "worst heading, °", "verdict",
-    )  # fmt: skip
-    note = "Federated, fusion-feedback: the global solution from the beginning of the failure to the end."
-    return Section("One sub-filter's sensor fails", columns, tuple(cells), 2, note)
-
-
-def _seconds(value: float | None) -> str:
-    return NONE if value is None else number(value)
-
-
 def filter_dict(row: FilterRow) -> dict[str, Any]:
     """For JSON."""
     return {
@@ -85,20 +58,6 @@ def filter_dict(row: FilterRow) -> dict[str, Any]:
         "position_rms_m": row.position,
         "position_end_m": row.end_position,
         "detail": row.detail,
-        "met": row.met,
-    }
-
-
-def failure_dict(row: FailureRow) -> dict[str, Any]:
-    """For JSON."""
-    return {
-        "failure": asdict(row.failure),
-        "seen_as": row.cause,
-        "isolated_after_s": row.detected_s,
-        "trusted_after_s": row.recovered_s,
-        "other_isolated": row.others_isolated,
-        "worst_position_m": row.worst_position,
-        "worst_heading_deg": math.degrees(row.worst_yaw),
         "met": row.met,
     }
 

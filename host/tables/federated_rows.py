@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from firmware.nav.gyro_free import layout as gl
 from firmware.nav.gyro_free.filters import FilterConfig
 from host.tables.chapter5 import Failure, chapter5
 from host.tables.federated_run import Errors, FederatedErrors, run_federated, run_single
+from host.tables.sensor_failure import SensorFailure
 
 Array = NDArray[np.float64]
 SETTLED_S = 60
@@ -30,9 +31,6 @@ FAILURES = (
     Failure("gps", "silent"),
     Failure("gps", "300 m off"),
 )
-BOUNDED_M, BOUNDED_DEG = 100.0, 5.0
-"""The global solution while one sensor fails for 60 s."""
-RECOVERED_WITHIN_S = 30
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,29 +54,16 @@ class FilterRow:
     """Of the first seed, for curves."""
 
 
-@dataclass(frozen=True, slots=True)
-class FailureRow:
-    """One sensor that fails for 60 s."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FailureRow(SensorFailure):
+    """One sensor that fails on a drive of its own."""
 
     failure: Failure
-    detected_s: float | None
-    """After it began; None: never."""
-    cause: str
-    recovered_s: float | None
-    """After it ended."""
-    others_isolated: bool
-    worst_position: float
-    """m, from the beginning of the failure to the end of the run."""
-    worst_yaw: float
 
-    @property
-    def met(self) -> bool:
-        """Detected, isolated, recovered, the rest in bounds."""
-        known = self.detected_s is not None and self.recovered_s is not None
-        if not known or self.others_isolated:
-            return False
-        recovered = self.recovered_s is not None and self.recovered_s <= RECOVERED_WITHIN_S
-        return recovered and self.worst_position < BOUNDED_M and math.degrees(self.worst_yaw) < BOUNDED_DEG
+    def to_dict(self) -> dict[str, Any]:
+        """For JSON."""
+        more = {"failure": asdict(self.failure), "other_isolated": self.others_isolated}
+        return super(FailureRow, self).to_dict() | more
 
 
 def filter_rows(duration_s: int, seeds: Sequence[int]) -> Iterator[FilterRow]:
@@ -190,11 +175,12 @@ def _failure_row(failure: Failure, run: FederatedErrors) -> FailureRow:
     causes = run.cause[:, which][isolated]
     recovered = bool(len(found) and len(after)) and not isolated[-1]
     return FailureRow(
-        failure,
-        float(found[0] - failure.start) if len(found) else None,
-        gl.CAUSE_NAMES[int(causes[0])] if len(causes) else gl.CAUSE_NAMES[0],
-        float(after[0] - failure.end) if recovered else None,
-        bool(run.isolated[:, 1 - which].any()),
-        float(np.max(position)),
-        float(np.max(np.abs(run.master.attitude[begun, 2]))),
+        name=f"{failure.sensor} {failure.kind}",
+        cause=gl.CAUSE_NAMES[int(causes[0])] if len(causes) else gl.CAUSE_NAMES[0],
+        detected_s=float(found[0] - failure.start) if len(found) else None,
+        recovered_s=float(after[0] - failure.end) if recovered else None,
+        worst_position_m=float(np.max(position)),
+        worst_heading_deg=math.degrees(float(np.max(np.abs(run.master.attitude[begun, 2])))),
+        failure=failure,
+        others_isolated=bool(run.isolated[:, 1 - which].any()),
     )
